@@ -172,6 +172,8 @@ CLI::App* add_cover(CLI::App& app, Call& call) {
                       "folder for the run, created if missing (default: runs/NAME)");
   add_set(command, &call.options,
           "override a setting, as in --set tool.radius=0.01; may be repeated");
+  command->add_flag("--resume", call.options.resume,
+                    "continue an interrupted run, named again with its settings and --out");
   add_metrics(command, call);
   command->footer(
       "Examples:\n  ./impedraw cover\n  ./impedraw cover scenarios/reach-saddle.yaml\n"
@@ -612,6 +614,7 @@ int run_program(int argc, char** argv) {
     command->add_flag("--overwrite", call.options.overwrite,
                       "replace the results of a run in the folder of --out");
   const std::vector<CLI::App*> checked = {draw,
+                                          cover,
                                           plan,
                                           compare,
                                           add_report(app, call),

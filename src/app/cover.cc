@@ -1,6 +1,8 @@
 #include "impedraw/app/cover.h"
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
@@ -13,8 +15,10 @@
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/files/durable_file.h"
+#include "impedraw/log/visit_rows.h"
 #include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/report/cover_picture.h"
+#include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/run/simulated_run.h"
 #include "impedraw/run/treatment.h"
@@ -32,27 +36,27 @@ namespace fs = std::filesystem;
 class Judge {
  public:
   Judge(const Experiment& e, const CoverPlan& plan, const TrueCover& truth)
-      : dt_(e.scenario.world.dt),
-        X_PW_(e.artwork.X_WP.inverse()),
+      : X_PW_(e.artwork.X_WP.inverse()),
         model_(model_of(e.scenario.arm)),
         truth_(truth.grid, pad(e), e.scenario.control.normal_force, e.scenario.path.draw_speed),
         arm_(plan.grid, pad(e), e.scenario.control.normal_force, e.scenario.path.draw_speed) {}
 
+  // A canvas that moves is seen from its own frame, by the arm as it believes that this lies.
   void add(const LogRow& row) {
+    const double dt = row.time - time_;
+    time_ = row.time;
+    if (!(dt > 0.0 && dt < kLongest)) return;
     const Pose X_WE{row.tip_position, row.tip_orientation.toRotationMatrix()};
-    if (row.contact_force.allFinite() && row.contact_normal.allFinite()) {
-      const Eigen::Vector3d n = row.contact_normal_W();
-      const Eigen::Vector3d v = row.tip_velocity.head<3>();
-      truth_.press(X_PW_ * X_WE, n.dot(row.contact_force), (v - n * n.dot(v)).norm(), row.time, dt_,
-                   row.stroke >= 0);
-    }
+    const Pose seen = X_PW_ * row.canvas_pose.inverse() * X_WE;
+    if (row.contact_force.allFinite() && row.contact_normal.allFinite())
+      press(&truth_, seen, &seen_, row.contact_normal_W().dot(row.contact_force), row.time, dt,
+            row.stroke >= 0);
     // What the arm knows: its own joints, its own wrench.
     if (!row.surface_normal.allFinite()) return;
-    const double force = row.surface_normal.dot(row.wrench_measured.head<3>());
-    const Pose own = X_PW_ * model_.tip_pose(row.measured_position);
-    const double way = (own.p - before_).norm();
-    before_ = own.p;
-    if (force > 0.0 && way < 1e-2) arm_.press(own, force, way / dt_, row.time, dt_);
+    const Pose own =
+        X_PW_ * row.estimated_canvas_pose.inverse() * model_.tip_pose(row.measured_position);
+    press(&arm_, own, &own_, row.surface_normal.dot(row.wrench_measured.head<3>()), row.time, dt,
+          true);
   }
 
   const TreatmentMap& truth() const { return truth_; }
@@ -63,11 +67,21 @@ class Judge {
     return *pad_of(e.scenario.tool, e.scenario.world.tip.friction, e.scenario.control.normal_force);
   }
 
-  double dt_;
+  static constexpr double kLongest = 0.05;  // between two rows of a log [s]
+
+  static void press(TreatmentMap* map, const Pose& X_PE, Eigen::Vector3d* before, double force,
+                    double time, double dt, bool on_line) {
+    const double speed = (X_PE.p - *before).norm() / dt;
+    *before = X_PE.p;
+    if (force > 0.0 && speed < kFastest) map->press(X_PE, force, speed, time, dt, on_line);
+  }
+  static constexpr double kFastest = 10.0;  // beyond, the place before is not known [m/s]
+
   Pose X_PW_;
   ArmModel model_;
   TreatmentMap truth_, arm_;
-  Eigen::Vector3d before_ = Eigen::Vector3d::Constant(1e9);
+  double time_ = -1.0;
+  Eigen::Vector3d seen_ = Eigen::Vector3d::Constant(1e9), own_ = seen_;  // E in P, before
 };
 
 std::vector<std::vector<Eigen::Vector2d>> promised_lines(const Experiment& e) {
@@ -94,15 +108,6 @@ std::vector<char> reachable_by_arm(const Experiment& e, const TrueCover& truth, 
   return places;
 }
 
-// Places at least this far inside of the marked ones.
-std::vector<char> inside_by(const SurfaceGrid& grid, const std::vector<char>& places,
-                            double distance) {
-  const std::vector<double> edge = distance_to_edge(grid, places);
-  std::vector<char> inside(places.size());
-  for (std::size_t v = 0; v < places.size(); ++v) inside[v] = edge[v] >= distance;
-  return inside;
-}
-
 struct Results {
   std::vector<char> places;         // that are promised
   TreatmentShares promised, inner;  // of these, and of those a radius inside
@@ -115,7 +120,7 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
                    const Judge& judge) {
   const SurfaceGrid& g = truth.grid;
   const double r = plan.wish.footprint.radius;
-  const std::vector<char> promised = swept(g, promised_lines(e), r - plan.wish.margin);
+  const std::vector<char> promised = swept(g, promised_lines(e), r - kAstray);
   const std::vector<char> inner = inside_by(g, promised, r);
   const double reachable = area_of(g, reachable_by_arm(e, truth, r, promised));
   Results out;
@@ -188,14 +193,6 @@ CoverPicture picture_of(const std::string& title, const TrueCover& truth, const 
   return picture;
 }
 
-// metrics.json of the drawing, with those of the area first.
-void add_metrics(const fs::path& folder, const Metrics& metrics,
-                 const nlohmann::ordered_json& of_area) {
-  nlohmann::ordered_json all = of_area;
-  all.update(metrics_json(metrics));
-  write_whole(folder / "metrics.json", all.dump(2) + "\n");
-}
-
 void say_results(const Results& r, const Metrics& metrics) {
   const auto percent = [&](const char* name) { return 100.0 * r.metrics[name].get<double>(); };
   say(stdout,
@@ -214,6 +211,11 @@ void say_results(const Results& r, const Metrics& metrics) {
         1e4 * lacking, r.arm_missed.size());
 }
 
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 }  // namespace
 
 int cover(const DrawOptions& given, const fs::path& region, bool table) {
@@ -229,7 +231,11 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   scenario = with_cover_defaults(scenario, places);
   const fs::path folder = options.out.empty() ? fs::path("runs") / scenario.name : options.out;
   require_run_folder(folder);
-  if (!options.out.empty() && !options.overwrite) require_no_finished_run(folder);
+  const bool begun = options.resume && is_own_file(folder / "run.h5");
+  if (options.resume && !begun)
+    throw InputError(fmt::format(
+        "--resume: {} contains no run to resume; name its folder with --out", folder.string()));
+  if (!options.out.empty() && !begun && !options.overwrite) require_no_finished_run(folder);
 
   const SettingErrors errors(places);
   const Pose X_WP = drawing_frame(scenario.drawing);
@@ -245,7 +251,12 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   for (const std::string& note : plan.notes) say(stderr, "note: {}\n", note);
   make_folder(folder);
   const fs::path strokes = fs::absolute(folder / "cover.csv");
-  write_whole(strokes, cover_strokes(plan, scenario));
+  const std::string lines = cover_strokes(plan, scenario);
+  if (begun && lines != text_of(strokes))
+    throw InputError(
+        fmt::format("--resume: the area in {} was begun along other lines; use the same settings",
+                    folder.string()));
+  write_whole(strokes, lines);
   Prepared experiment = prepare(
       drawing_of_cover(scenario, strokes), places, Unreachable::refuse,
       [&](const char* what, double share) { line->update(what, 0.3 + 0.7 * share); }, &scenes);
@@ -253,15 +264,20 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   print_notes(experiment);
 
   Judge judge(experiment, plan, truth);
+  if (begun) {
+    recover_log(folder / "run.h5");
+    visit_rows(folder / "run.h5", [&judge](const LogRow& row) { judge.add(row); });
+  }
   RunHooks hooks;
   hooks.row = [&judge](const LogRow& row) { judge.add(row); };
-  const Drawing drawing = draw_into(folder, experiment, seconds_since(start), false, hooks);
+  const Drawing drawing = draw_into(folder, experiment, seconds_since(start), begun, hooks);
   const Results results = results_of(experiment, plan, truth, judge);
-  add_metrics(folder, drawing.metrics, results.metrics);
-  write_whole(folder / "cover.json", results.whole.dump(2) + "\n");
+  write_whole(folder / kCoverFile, results.whole.dump(2) + "\n");
+  write_metrics(folder, drawing.metrics);
   write_cover(picture_of(scenario.name, truth, judge, results), folder / "cover");
   say(stdout, "{}: {:.2f} s simulated in {:.2f} s\n", scenario.name, drawing.outcome.simulated,
       drawing.outcome.wall.loop);
+  say(stdout, "{}", ink_lines(experiment, drawing.outcome));
   say_results(results, drawing.metrics);
   if (table) say(stdout, "{}", metrics_table(drawing.metrics));
   say(stdout, "picture  {}\nreport   {}\n",

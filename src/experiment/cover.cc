@@ -11,12 +11,15 @@
 #include "impedraw/drawing/regions.h"
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/height_sources.h"
+#include "impedraw/planning/cover/even_forces.h"
 
 namespace impedraw {
 
 namespace {
 
 constexpr double kMostVertices = 90e3;
+constexpr double kInside = 0.75;
+constexpr double kForceChange = 0.06;  // of the force along the lines at most, as a share of it
 
 Footprint footprint_of(const PadSettings& pad) { return {pad.radius, pad.rest, pad.thickness}; }
 
@@ -53,13 +56,15 @@ Eigen::AlignedBox2d extent_of(const Scenario& s, const Belief& belief, const Pos
 
 // The surface under the footprint's rim: the planner's own surface ends where its centres must.
 // Heights are those of the estimate; a place is known between points of the cloud, no further from
-// each other than two voxels.
+// each other than two voxels. A voxel's point is the mean of those within: at an edge, a quarter of
+// the voxel inside of it on average.
 void know_between_points(const PointCloud& cloud, double voxel, const Pose& X_PW, SurfaceGrid* g) {
   std::vector<char> near(g->size(), 0);
   for (const Eigen::Vector3d& p_W : cloud.points)
     around(*g, X_PW * p_W, voxel, [&](std::size_t v) { near[v] = 1; });
   const std::vector<double> off = distance_to_edge(*g, near);
-  for (std::size_t v = 0; v < g->size(); ++v) g->known[v] = g->known[v] && off[v] >= voxel;
+  for (std::size_t v = 0; v < g->size(); ++v)
+    g->known[v] = g->known[v] && off[v] >= kInside * voxel;
 }
 
 // Why the footprint fits nowhere.
@@ -155,22 +160,23 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
   require_centres(plan, s, errors);
   plan.lines = cover_lines(plan.grid, plan.centres, plan.wish);
   const std::vector<char> promised =
-      swept(plan.grid, plan.lines.passes, plan.wish.footprint.radius - plan.wish.margin);
+      swept(plan.grid, plan.lines.passes, plan.wish.footprint.radius - kAstray);
   plan.promised_area = area_of(plan.grid, promised);
+  plan.forces = even_forces(plan.grid, plan.lines.passes, pad->radius,
+                            inside_by(plan.grid, promised, pad->radius), kForceChange);
+  for (auto& pass : plan.forces)
+    for (double& f : pass) f *= s.control.normal_force;
   note_rest(plan.grid, plan, plan.wish.region, &plan.notes);
   return plan;
 }
 
 TrueCover true_cover(const Scenario& s, const Truth& truth, const Pose& X_WP,
                      const CoverPlan& plan) {
-  const SurfaceGrid& g = plan.grid;
-  const Eigen::Vector2d high = g.low + g.step * Eigen::Vector2d(g.nx - 1, g.ny - 1);
   TrueCover cover;
-  cover.grid = sample_surface(canvas_height(truth.canvas, X_WP), {g.low, high}, g.step,
-                              s.preflight.max_slope_deg);
+  cover.grid =
+      same_places(plan.grid, canvas_height(truth.canvas, X_WP), s.preflight.max_slope_deg);
   CoverWish wish = plan.wish;
   wish.margin = 0.0;
-  if (cover.grid.nx != g.nx || cover.grid.ny != g.ny) wish.region.clear();
   cover.reachable = swept(cover.grid, footprint_centres(cover.grid, wish), wish.footprint.radius);
   return cover;
 }
@@ -178,16 +184,14 @@ TrueCover true_cover(const Scenario& s, const Truth& truth, const Pose& X_WP,
 std::string cover_strokes(const CoverPlan& plan, const Scenario& s) {
   const Placement page = place(Artwork{.strokes = {Stroke{.points = {{0, 0}, {1, 1}}}}},
                                drawing_of_cover(s, {}).drawing.placement);
-  std::string text = "x,y,stroke\n";
+  std::string text = "x,y,force,stroke\n";
   int stroke = 0;
   for (int pass = 0; pass < s.cover.passes; ++pass)
-    for (const auto& line : plan.lines.passes) {
-      for (const Eigen::Vector2d& p : line) {
-        const Eigen::Vector2d mm = page.to_page(p);
-        text += fmt::format("{:.4f},{:.4f},{}\n", mm.x(), mm.y(), stroke);
+    for (std::size_t l = 0; l < plan.lines.passes.size(); ++l, ++stroke)
+      for (std::size_t i = 0; i < plan.lines.passes[l].size(); ++i) {
+        const Eigen::Vector2d mm = page.to_page(plan.lines.passes[l][i]);
+        text += fmt::format("{:.4f},{:.4f},{:.4f},{}\n", mm.x(), mm.y(), plan.forces[l][i], stroke);
       }
-      ++stroke;
-    }
   return text;
 }
 
@@ -202,6 +206,9 @@ Scenario drawing_of_cover(Scenario s, const std::filesystem::path& strokes) {
   drawing.dry_run = s.drawing.dry_run;
   drawing.placement = shape_placement(s.drawing.placement.centre_m);
   s.drawing = drawing;
+  const double force = s.control.normal_force;
+  s.pen.least_force = std::min(s.pen.least_force, force * (1.0 - kForceChange));
+  s.pen.most_force = std::max(s.pen.most_force, force * (1.0 + kForceChange));
   return s;
 }
 

@@ -13,13 +13,17 @@
 
 namespace impedraw {
 
+// By how much less than the footprint a promise reaches from its lines: the pad strays [m].
+inline constexpr double kAstray = 0.5e-3;
+
 struct CoverPlan {
   SurfaceGrid grid;  // of the planner's surface, in P
   CoverWish wish;
   Centres centres;
   CoverLines lines;
-  double promised_area = 0.0;      // [m²]
-  std::vector<std::string> notes;  // what of the area is not covered, one line each
+  std::vector<std::vector<double>> forces;  // at each point of the lines [N]
+  double promised_area = 0.0;               // [m²]
+  std::vector<std::string> notes;           // what of the area is not covered, one line each
 };
 
 // Of the scenario, as ./impedraw cover completes it: a pad where the tool is not given, 100 mm/s,

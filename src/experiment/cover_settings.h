@@ -9,7 +9,7 @@
 
 namespace impedraw {
 
-enum class ToolKind { pen, pad, roller, blade, engraver };
+enum class ToolKind { pen, pad };
 
 struct ToolSettings {
   ToolKind kind = ToolKind::pen;

@@ -371,13 +371,9 @@ void describe(Fields& f, LayerPenSettings& s) {
 void describe(Fields& f, ToolSettings& s) {
   using Limits = ToolSettings::Limits;
   f.choice("kind", s.kind,
-           {{"pen", ToolKind::pen},
-            {"pad", ToolKind::pad},
-            {"roller", ToolKind::roller},
-            {"blade", ToolKind::blade},
-            {"engraver", ToolKind::engraver}},
+           {{"pen", ToolKind::pen}, {"pad", ToolKind::pad}},
            "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
-           "foam. The others are refused: the simulated world has none.");
+           "foam.");
   f.field(Limits::radius, s.radius, "Radius of the pad.");
   f.field(Limits::foam_thickness, s.foam_thickness, "Thickness of the pad's foam.");
   f.field(Limits::foam_stiffness, s.foam_stiffness, "Pressure of the foam per compression.");

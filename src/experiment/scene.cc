@@ -177,17 +177,6 @@ TriangleMesh seen_mesh(const Snapshot& snapshot, const Pose& X_WP) {
   return mesh;
 }
 
-void check_tool(const Scenario& s, const SettingErrors& setting_errors) {
-  const ToolKind kind = s.tool.kind;
-  if (kind != ToolKind::pen && kind != ToolKind::pad)
-    setting_errors.raise({"tool.kind"},
-                         fmt::format("tool.kind is {}: the simulated world has no such contact "
-                                     "yet; valid are pen, pad",
-                                     kind == ToolKind::roller  ? "roller"
-                                     : kind == ToolKind::blade ? "blade"
-                                                               : "engraver"));
-}
-
 void check_source(const Scenario& s, const SettingErrors& setting_errors) {
   const bool rendered = s.perception.source == PerceptionSource::simulated;
   if (s.canvas.kind == CanvasKind::seen && (rendered || !s.perception.enabled))
@@ -278,7 +267,6 @@ void check_scene(const Scenario& s, const Scene& scene, const SettingErrors& set
 Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors, bool placed) {
   std::vector<std::string> notes;
   check_source(s, setting_errors);
-  check_tool(s, setting_errors);
   // The arm model comes before the world: its reader names the joint or link that is at fault.
   const std::filesystem::path urdf = urdf_of(s.arm);
   ArmModel arm =

@@ -2,6 +2,7 @@
 
 #include "impedraw/log/log_columns.h"
 #include "impedraw/log/log_reader.h"
+#include "impedraw/log/visit_rows.h"
 
 namespace impedraw {
 
@@ -84,6 +85,41 @@ RunRows read_rows(const std::filesystem::path& path) {
   if (!read_rows(log, 0, log.rows(), Columns::all, &rows))
     log.fail("cannot be read: broken before its last rows");
   return rows;
+}
+
+void visit_rows(const std::filesystem::path& path,
+                const std::function<void(const LogRow&)>& visit) {
+  const LogReader log(path);
+  const int joints = log.joints();
+  LogRow row(joints);
+  const auto take = [&](std::size_t i, const std::string& name, int width, bool integer,
+                        void* out) {
+    if (!log.read(name, width, integer, i, 1, out)) log.fail(name + ": rows cannot be read");
+  };
+  const char* const measured =
+      log.header().joint_sensor ? "/joint/measured_position" : "/joint/position";
+  for (std::size_t i = 0; i < log.rows(); ++i) {
+    double wxyz[4], pose[7];
+    take(i, "/time", 1, false, &row.time);
+    take(i, "/stroke", 1, true, &row.stroke);
+    take(i, measured, joints, false, row.measured_position.data());
+    take(i, "/tip/position", 3, false, row.tip_position.data());
+    take(i, "/tip/orientation", 4, false, wxyz);
+    row.tip_orientation = Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+    take(i, "/contact/force", 3, false, row.contact_force.data());
+    take(i, "/contact/normal", 3, false, row.contact_normal.data());
+    take(i, "/wrench/measured", 6, false, row.wrench_measured.data());
+    take(i, "/surface/normal", 3, false, row.surface_normal.data());
+    for (const auto& [name, X] :
+         {std::pair(kCanvasPoseColumn, &row.canvas_pose),
+          std::pair(kEstimatedCanvasPoseColumn, &row.estimated_canvas_pose)}) {
+      if (!log.has(name)) continue;
+      take(i, name, 7, false, pose);
+      *X = {{pose[0], pose[1], pose[2]},
+            Eigen::Quaterniond(pose[3], pose[4], pose[5], pose[6]).toRotationMatrix()};
+    }
+    visit(row);
+  }
 }
 
 }  // namespace impedraw

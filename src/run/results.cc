@@ -66,7 +66,7 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
   });
   Metrics metrics = compute_metrics(run, drawn);
   if (std::filesystem::exists(folder / kIncidentFile)) metrics.ending.incident = kIncidentFile;
-  write_whole(folder / "metrics.json", metrics_json(metrics).dump(2) + "\n");
+  write_metrics(folder, metrics);
   step();
   ReportSettings report;
   report.page = page_context(scenario, artwork, draw_again(folder));
@@ -77,6 +77,15 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
   };
   write_report(folder, run, drawn, metrics, report);
   return metrics;
+}
+
+void write_metrics(const std::filesystem::path& folder, const Metrics& metrics) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::object();
+  std::ifstream in(folder / kCoverFile);
+  const auto covered = nlohmann::ordered_json::parse(in, nullptr, false);
+  if (covered.is_object() && covered.contains("metrics")) all = covered["metrics"];
+  all.update(metrics_json(metrics));
+  write_whole(folder / "metrics.json", all.dump(2) + "\n");
 }
 
 std::string draw_again(const std::filesystem::path& folder) {

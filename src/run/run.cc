@@ -55,8 +55,8 @@ bool writes(const Experiment& e, ContactMode mode, double normal_force, double p
   const bool measured = control.wrench == WrenchFeedback::measured;
   // A pad treats what it presses with the force asked for, within a tenth.
   const double asked = push > 0.0 ? push : control.normal_force;
-  const double least = e.scenario.tool.kind == ToolKind::pen ? InkWatch::least_force(asked)
-                                                             : 0.9 * control.normal_force;
+  const double least =
+      e.scenario.tool.kind == ToolKind::pen ? InkWatch::least_force(asked) : 0.9 * asked;
   if (measured && !(normal_force >= least)) return false;
   // Blind, the law has no contact state. Without a wrench too, contact is unknown.
   return !e.belief.estimates_surface() || mode == ContactMode::contact;

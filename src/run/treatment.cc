@@ -32,17 +32,29 @@ void TreatmentMap::press(const Pose& X_PE, double force, double speed, double ti
   }
   const bool good = std::abs(mean_ / asked_ - 1.0) <= kBand;
   under_.clear();
-  double sum = 0.0;
+  double area = 0.0, moment = 0.0;
   const Pose X_EP = X_PE.inverse();
   around(grid_, X_PE.p, pad_.radius + pad_.thickness, [&](std::size_t v) {
     const Eigen::Vector3d q = X_EP * grid_.point(v);
-    const double compression = pad_.rest - q.z();
-    if (q.head<2>().norm() > pad_.radius || compression <= 0.0) return;
-    under_.emplace_back(v, compression);
-    sum += compression * area_[v];
+    if (q.head<2>().norm() > pad_.radius) return;
+    under_.emplace_back(v, q.z());
+    area += area_[v];
+    moment += area_[v] * q.z();
   });
-  for (const auto& [v, compression] : under_) {
-    dose_[v] += force * compression / sum * speed * dt;
+  // Places that do not touch drop out until all that are left do.
+  double depth = 0.0;
+  for (std::size_t before = 0; before != under_.size() && !under_.empty();) {
+    before = under_.size();
+    depth = (force / pad_.stiffness + moment) / area;
+    std::erase_if(under_, [&](const auto& place) {
+      if (place.second < depth) return false;
+      area -= area_[place.first];
+      moment -= area_[place.first] * place.second;
+      return true;
+    });
+  }
+  for (const auto& [v, z] : under_) {
+    dose_[v] += pad_.stiffness * (depth - z) * speed * dt;
     if (good) good_[v] += dt;
     if (time - last_[v] > kApart) ++visits_[v];
     last_[v] = time;

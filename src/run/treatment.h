@@ -1,8 +1,11 @@
 // What a pad has treated, place by place, from its poses and forces: the world's for the truth, the
 // arm's own for what it knows.
 //
-//   δ   = rest − z_E of the place, within r of the pad's axis; p ∝ δ, Σ p dA = f      pressure [Pa]
+//   p_i = k max(0, d − z_i) within r of the pad's axis, d so that Σ p dA = f           pressure [Pa]
 //   dose = ∫ p v dt      Preston: what is removed is k times this, k of the material    [Pa m]
+//
+// z_i: of the place along z_E. The force tells how deep the foam is pressed, wherever the grid
+// believes that the surface lies.
 //
 // A place is treated once it was pressed for kShare of the time in which a footprint passes over
 // it, while the pad's mean pressure, over kMean, was within kBand of the one asked for.
@@ -49,7 +52,7 @@ class TreatmentMap {
   double sum_ = 0.0, sum2_ = 0.0, slid_ = 0.0;
   std::vector<double> area_, dose_, good_, last_;
   std::vector<int> visits_;
-  std::vector<std::pair<std::size_t, double>> under_;  // vertices under the pad, δ [m]
+  std::vector<std::pair<std::size_t, double>> under_;  // vertices under the pad, z_E [m]
 };
 
 // Of the places that are marked: share of their area that is treated; the mean and the coefficient

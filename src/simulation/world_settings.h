@@ -39,8 +39,8 @@ struct TipMaterial {
 struct PadSettings {
   double radius = 0.015;     // r [m]
   double thickness = 0.010;  // of the foam [m]
-  double stiffness = 5e6;    // k, pressure per compression [N/m³]
-  double damping = 2e4;      // b [N s/m³]
+  double stiffness = 2e6;    // k, pressure per compression [N/m³]
+  double damping = 8e3;      // b [N s/m³]
   double friction = 0.3;     // μ
   double rest = 0.0;         // of the free face before E [m]
 

@@ -57,13 +57,49 @@ TEST_F(Cover, TreatsAWindowOfTheDome) {
   EXPECT_TRUE(fs::exists(folder_ / "run/cover.png"));
 }
 
+// A hand lifts the pad for a while: nothing stays untreated and unsaid.
+TEST_F(Cover, KnowsWhatAHandHindered) {
+  ASSERT_EQ(run(window("1") + " --set 'pushes=[{force: 0, lift: 12, middle: 0.5, "
+                              "duration: 0.6}]'"),
+            0)
+      << said();
+  const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_GT(metrics["treated_share"], 0.995);
+  EXPECT_EQ(metrics["unsaid_share"], 0.0);
+}
+
+// Of both parts of the run, and as `report` computes them again.
+TEST_F(Cover, GoesOnAfterAnInterrupt) {
+  const std::string begin = std::string(IMPEDRAW) + " cover --out " + folder_.string() + "/run > " +
+                            folder_.string() + "/out 2>&1";
+  const std::string kill = "while ! test -s " + folder_.string() +
+                           "/run/run.h5; do sleep 0.05; done; sleep 0.5; kill -INT $p";
+  ASSERT_EQ(
+      WEXITSTATUS(std::system(("{ exec " + begin + "; } & p=$!; " + kill + "; wait $p").c_str())),
+      130)
+      << said();
+  EXPECT_EQ(run(window("1") + " --resume"), 2);
+  EXPECT_NE(said().find("begun along other lines"), std::string::npos) << said();
+  ASSERT_EQ(run("--resume"), 0) << said();
+  const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_GT(metrics["treated_share"], 0.995);
+  EXPECT_GT(metrics["treated_share_known"], 0.995);
+  const std::string report = std::string(IMPEDRAW) + " report " + folder_.string() + "/run > " +
+                             folder_.string() + "/out 2>&1";
+  ASSERT_EQ(std::system(report.c_str()), 0) << said();
+  const auto again = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_EQ(again["treated_share"], metrics["treated_share"]);
+  EXPECT_EQ(again["force_mean"], metrics["force_mean"]);
+}
+
 TEST_F(Cover, NamesBadInput) {
   const auto refuses = [&](const std::string& arguments, const std::string& words) {
     EXPECT_EQ(run(arguments), 2);
     EXPECT_NE(said().find(words), std::string::npos) << said();
     EXPECT_FALSE(fs::exists(folder_ / "run/run.h5"));
   };
-  refuses("--set tool.kind=roller", "tool.kind is roller");
+  refuses("--set tool.kind=roller", "tool.kind");
+  refuses("--set ''", "a value is missing");
   refuses("--set tool.kind=pen", "tool.kind is pen");
   refuses(window("1") + " --set drawing.placement.centre=[1.5,0]", "lies off the canvas");
   refuses(window("0.3"), "fits nowhere in cover.region");

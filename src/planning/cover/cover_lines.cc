@@ -269,6 +269,14 @@ std::vector<char> swept(const SurfaceGrid& g, const Centres& centres, double rad
   return places;
 }
 
+std::vector<char> inside_by(const SurfaceGrid& g, const std::vector<char>& places,
+                            double distance) {
+  const std::vector<double> edge = distance_to_edge(g, places);
+  std::vector<char> inside(places.size());
+  for (std::size_t v = 0; v < places.size(); ++v) inside[v] = edge[v] >= distance;
+  return inside;
+}
+
 double area_of(const SurfaceGrid& g, const std::vector<char>& places) {
   double sum = 0.0;
   for (std::size_t v = 0; v < g.size(); ++v)

@@ -55,6 +55,10 @@ std::vector<char> swept(const SurfaceGrid& grid,
 // And centred on each allowed vertex: what a perfect planner would reach.
 std::vector<char> swept(const SurfaceGrid& grid, const Centres& centres, double radius);
 
+// Those of the places that lie at least this far inside of their border [m].
+std::vector<char> inside_by(const SurfaceGrid& grid, const std::vector<char>& places,
+                            double distance);
+
 double area_of(const SurfaceGrid& grid, const std::vector<char>& places);  // [m²]
 
 }  // namespace impedraw

@@ -51,6 +51,27 @@ void continue_heights(SurfaceGrid* g) {
     }
 }
 
+void ask_heights(const SurfaceHeight& surface, double max_slope_deg,
+                 const std::function<void(double)>& progress, SurfaceGrid* g) {
+  const std::size_t n = static_cast<std::size_t>(g->nx) * static_cast<std::size_t>(g->ny);
+  g->z.assign(n, 0.0);
+  g->known.assign(n, 0);
+  const double least = std::cos(max_slope_deg * std::numbers::pi / 180.0);
+  for (int j = 0; j < g->ny; ++j) {
+    SurfaceHeight::Sample last;
+    for (int i = 0; i < g->nx; ++i) {
+      const std::size_t v = g->index(i, j);
+      const Eigen::Vector2d p = g->plane(v);
+      last = surface(p.x(), p.y(), last);
+      if (!last) continue;
+      g->z[v] = last->p_P.z();
+      g->known[v] = last->n_P.z() >= least;
+    }
+    if (progress) progress((j + 1.0) / g->ny);
+  }
+  continue_heights(g);
+}
+
 // The least of T over the segment from a (T_a) to b (T_b), plus the way from there to p.
 double through(const Eigen::Vector3d& p, const Eigen::Vector3d& a, double T_a,
                const Eigen::Vector3d& b, double T_b) {
@@ -98,23 +119,14 @@ SurfaceGrid sample_surface(const SurfaceHeight& surface, const Eigen::AlignedBox
   g.low = box.min();
   g.nx = std::max(3, static_cast<int>(std::ceil(box.sizes().x() / step)) + 1);
   g.ny = std::max(3, static_cast<int>(std::ceil(box.sizes().y() / step)) + 1);
-  const std::size_t n = static_cast<std::size_t>(g.nx) * static_cast<std::size_t>(g.ny);
-  g.z.assign(n, 0.0);
-  g.known.assign(n, 0);
-  const double least = std::cos(max_slope_deg * std::numbers::pi / 180.0);
-  for (int j = 0; j < g.ny; ++j) {
-    SurfaceHeight::Sample last;
-    for (int i = 0; i < g.nx; ++i) {
-      const std::size_t v = g.index(i, j);
-      const Eigen::Vector2d p = g.plane(v);
-      last = surface(p.x(), p.y(), last);
-      if (!last) continue;
-      g.z[v] = last->p_P.z();
-      g.known[v] = last->n_P.z() >= least;
-    }
-    if (progress) progress((j + 1.0) / g.ny);
-  }
-  continue_heights(&g);
+  ask_heights(surface, max_slope_deg, progress, &g);
+  return g;
+}
+
+SurfaceGrid same_places(const SurfaceGrid& grid, const SurfaceHeight& surface,
+                        double max_slope_deg) {
+  SurfaceGrid g = grid;
+  ask_heights(surface, max_slope_deg, {}, &g);
   return g;
 }
 

@@ -49,6 +49,9 @@ struct SurfaceGrid {
 SurfaceGrid sample_surface(const SurfaceHeight& surface, const Eigen::AlignedBox2d& box,
                            double step, double max_slope_deg,
                            const std::function<void(double)>& progress = {});
+// The same vertices, seen from above, on another surface.
+SurfaceGrid same_places(const SurfaceGrid& grid, const SurfaceHeight& surface,
+                        double max_slope_deg);
 
 inline constexpr double kFar = std::numeric_limits<double>::infinity();
 

@@ -64,6 +64,20 @@ TEST(SurfaceDistance, OnASphere) {
 }
 
 // Of the rows' level sets from each other, on the surface.
+TEST(SurfaceGrid, HasTheSamePlacesOnAnotherSurface) {
+  for (int i = 0; i < 50; ++i) {
+    const double step = 1e-3 + 1e-5 * i;
+    const SurfaceGrid g = sample_surface(
+        slope(0.0), {Eigen::Vector2d(-0.021, -0.013), Eigen::Vector2d(0.0123, 0.034)}, step, 70.0);
+    const SurfaceGrid same = same_places(g, slope(30.0), 70.0);
+    ASSERT_EQ(same.nx, g.nx);
+    ASSERT_EQ(same.ny, g.ny);
+    ASSERT_EQ(same.z.size(), g.z.size());
+    for (std::size_t v = 0; v < g.size(); v += 7)
+      ASSERT_NEAR(same.z[v], std::tan(std::numbers::pi / 6.0) * g.plane(v).y(), 1e-12);
+  }
+}
+
 TEST(CoverLines, AreEquallySpacedOnTheSphere) {
   const SurfaceGrid g = grid_of(dome());
   const std::vector<double> T = distance_across(g, {0.0, 0.0}, {1.0, 0.0});

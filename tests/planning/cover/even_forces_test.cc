@@ -1,0 +1,89 @@
+// Forces that remove evenly, against closed forms of the dose.
+#include "impedraw/planning/cover/even_forces.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "impedraw/planning/cover/cover_lines.h"
+
+namespace impedraw {
+namespace {
+
+constexpr double kPad = 0.015, kSide = 0.08;  // [m]
+
+SurfaceGrid plane() {
+  return sample_surface(
+      [](double x, double y) -> SurfaceHeight::Sample {
+        if (std::max(std::abs(x), std::abs(y)) > kSide) return std::nullopt;
+        return SurfaceSample{{x, y, 0.0}};
+      },
+      {Eigen::Vector2d::Constant(-0.09), Eigen::Vector2d::Constant(0.09)}, 1.5e-3, 70.0);
+}
+
+double cv(const SurfaceGrid& g, const std::vector<double>& dose, const std::vector<char>& places) {
+  double n = 0.0, sum = 0.0, sum2 = 0.0;
+  for (std::size_t v = 0; v < g.size(); ++v)
+    if (places[v]) n += 1.0, sum += dose[v], sum2 += dose[v] * dose[v];
+  return std::sqrt(sum2 / n - sum * sum / n / n) / (sum / n);
+}
+
+PlaneLines rows(double spacing) {
+  PlaneLines lines;
+  for (double y = -0.06; y < 0.0601; y += spacing) {
+    auto& line = lines.emplace_back();
+    for (double x = -0.06; x < 0.0601; x += 2e-3) line.emplace_back(x, y);
+  }
+  return lines;
+}
+
+TEST(DoseOf, IsTheChordOfTheDisc) {
+  const SurfaceGrid g = plane();
+  const std::vector<double> dose = dose_of(g, {rows(1.0)[0]}, kPad);
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    const Eigen::Vector2d p = g.plane(v);
+    const double off = std::abs(p.y() + 0.06);
+    if (std::abs(p.x()) > 0.04 || off > 0.95 * kPad) continue;
+    ASSERT_NEAR(dose[v], 2.0 * std::sqrt(kPad * kPad - off * off), 2.1e-3);
+  }
+}
+
+// The first harmonic of rows at the distance s vanishes where J_1(2 π r/s) does: at r/s = 1.62.
+TEST(DoseOf, IsEvenInTheMiddleOfRowsAtTheZeroOfABesselFunction) {
+  const SurfaceGrid g = plane();
+  std::vector<char> middle(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v)
+    middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kPad;
+  EXPECT_LT(cv(g, dose_of(g, rows(kPad / 1.62), kPad), middle), 0.04);
+  EXPECT_GT(cv(g, dose_of(g, rows(kPad / 0.8), kPad), middle), 0.1);
+}
+
+TEST(EvenForces, MakeTheDoseMoreEvenWithinTheirLimits) {
+  const SurfaceGrid g = plane();
+  CoverWish wish;
+  wish.footprint = {kPad, 3.5e-3, 0.01};
+  wish.spacing = 0.0093;
+  const Centres centres = footprint_centres(g, wish);
+  const CoverLines lines = cover_lines(g, centres, wish);
+  const std::vector<char> places = inside_by(g, swept(g, lines.passes, kPad - 5e-4), kPad);
+  const auto forces = even_forces(g, lines.passes, kPad, places, 0.1);
+  const double even = cv(g, dose_of(g, lines.passes, kPad), places);
+  EXPECT_LT(cv(g, dose_of(g, lines.passes, kPad, forces), places), 0.95 * even);
+  double n = 0.0, sum = 0.0;
+  ASSERT_EQ(forces.size(), lines.passes.size());
+  for (std::size_t l = 0; l < forces.size(); ++l) {
+    ASSERT_EQ(forces[l].size(), lines.passes[l].size());
+    for (std::size_t i = 0; i < forces[l].size(); ++i) {
+      ASSERT_NEAR(forces[l][i], 1.0, 0.1 + 1e-9);
+      if (i > 0) {
+        ASSERT_NEAR(forces[l][i], forces[l][i - 1], 0.1);
+      }
+      sum += forces[l][i], n += 1.0;
+    }
+  }
+  EXPECT_NEAR(sum / n, 1.0, 0.03);
+}
+
+}  // namespace
+}  // namespace impedraw

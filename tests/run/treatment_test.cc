@@ -1,0 +1,72 @@
+// What a pad has treated: the map's dose against closed forms on a plane.
+#include "impedraw/run/treatment.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+namespace impedraw {
+namespace {
+
+constexpr double kSpeed = 0.1, kDt = 1e-3, kForce = 5.0;
+
+// The plane z = `height`, and a pad that goes along x over z = 0, face down.
+TreatmentMap after_a_line(double height, double tilt_deg = 0.0) {
+  SurfaceGrid g;
+  g.low = {-0.05, -0.03};
+  g.step = 1e-3;
+  g.nx = 101;
+  g.ny = 61;
+  g.z.assign(static_cast<std::size_t>(g.nx * g.ny), height);
+  g.known.assign(g.z.size(), 1);
+  PadSettings pad;
+  pad.rest = kForce / (pad.stiffness * pad.area());
+  TreatmentMap map(g, pad, kForce, kSpeed);
+  const Eigen::AngleAxisd down(std::numbers::pi + tilt_deg * std::numbers::pi / 180.0,
+                               Eigen::Vector3d::UnitX());
+  for (double t = 0.0; t < 1.0; t += kDt)
+    map.press({{-0.05 + kSpeed * t, 0.0, 0.0}, down.toRotationMatrix()}, kForce, kSpeed, t, kDt);
+  return map;
+}
+
+TEST(TreatmentMap, HasTheDoseOfADisc) {
+  const TreatmentMap map = after_a_line(0.0);
+  const SurfaceGrid& g = map.grid();
+  const double r = PadSettings().radius;
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    const Eigen::Vector2d p = g.plane(v);
+    if (std::abs(p.x()) > 0.02 || std::abs(p.y()) > 0.9 * r) continue;
+    const double chord = 2.0 * std::sqrt(r * r - p.y() * p.y());
+    ASSERT_NEAR(map.dose(v), kForce / PadSettings().area() * chord,
+                0.04 * kForce / PadSettings().area() * 2.0 * r);
+    ASSERT_TRUE(map.treated(v));
+  }
+}
+
+// A map that believes the surface to lie elsewhere: the force tells how deep the pad is pressed.
+TEST(TreatmentMap, DoesNotDependOnTheHeightOfItsGrid) {
+  const TreatmentMap right = after_a_line(0.0);
+  for (const double height : {-8e-3, -2e-3, 3e-3}) {
+    const TreatmentMap off = after_a_line(height);
+    for (std::size_t v = 0; v < off.grid().size(); ++v)
+      ASSERT_NEAR(off.dose(v), right.dose(v), 1e-6 * right.dose(0) + 1e-9) << height;
+  }
+}
+
+// Tilted by θ, the pressure falls from one side to the other by 2 k r θ, about the same mean.
+TEST(TreatmentMap, PressesHarderOnTheLowerSide) {
+  const TreatmentMap level = after_a_line(0.0), tilted = after_a_line(0.0, 2.0);
+  const SurfaceGrid& g = level.grid();
+  const PadSettings pad;
+  const double slope = pad.stiffness * std::tan(2.0 * std::numbers::pi / 180.0);
+  for (const int j : {22, 30, 38}) {
+    const std::size_t v = g.index(50, j);
+    const double y = g.plane(v).y(), chord = 2.0 * std::sqrt(pad.radius * pad.radius - y * y);
+    EXPECT_NEAR(std::abs(tilted.dose(v) - level.dose(v)), std::abs(slope * y) * chord,
+                0.05 * level.dose(v));
+  }
+}
+
+}  // namespace
+}  // namespace impedraw
