@@ -89,13 +89,16 @@ int preview(const DrawOptions& options) {
                                       [](double t, const PenSum& sum) { return t + sum.time; });
   const std::string size =
       fmt::format("{:.1f} × {:.1f} mm as drawn", box.sizes().x(), box.sizes().y());
-  std::string text = fmt::format("{}: {} strokes, {}, about {:.0f} s on a plane\n", drawn.name,
-                                 drawn.strokes.size(), size, time);
+  const auto strokes = [](std::size_t n) {
+    return fmt::format("{} stroke{}", n, n == 1 ? "" : "s");
+  };
+  std::string text = fmt::format("{}: {}, {}, about {:.0f} s on a plane\n", drawn.name,
+                                 strokes(drawn.strokes.size()), size, time);
   for (std::size_t k = 0; k < pens.size(); ++k) {
     const DrawnPen& pen = pens[k];
     const std::string what =
-        fmt::format("{}: {} strokes, {:.0f} mm, {:.0f} s", pen.name.empty() ? "pen" : pen.name,
-                    sums[k].strokes, sums[k].length, sums[k].time);
+        fmt::format("{}: {}, {:.0f} mm, {:.0f} s", pen.name.empty() ? "pen" : pen.name,
+                    strokes(sums[k].strokes), sums[k].length, sums[k].time);
     picture.pens.push_back({what, pen.colour.value_or(0), pen.line.width});
     text += fmt::format(
         "  pen          {}; {}, {:.3g} mm wide at {:.3g} N{}\n", what,

@@ -275,11 +275,12 @@ struct Painting {
   std::vector<Paint> paints;
   std::vector<Clip> clips;
   std::vector<Dash> dashes;
-  double hidden_mm = 0, doubled_mm = 0;
+  Hidden hidden;
+  double doubled_mm = 0;
 };
 
 void find_visible(Painting& painting) {
-  painting.hidden_mm = keep_visible(painting.paints, painting.clips, painting.dashes);
+  painting.hidden = keep_visible(painting.paints, painting.clips, painting.dashes);
   std::vector<Stroke> strokes;
   for (Paint& paint : painting.paints) {
     std::move(paint.strokes.begin(), paint.strokes.end(), std::back_inserter(strokes));
@@ -309,7 +310,7 @@ void look_at(Painting painting, bool as_painted, Artwork& artwork) {
     if (paint.inked && !paint.area.outlines.empty()) artwork.areas.push_back(std::move(paint.area));
   }
   artwork.dashes = std::move(shared->dashes);
-  artwork.hidden_mm = shared->hidden_mm;
+  artwork.hidden_mm = shared->hidden.length;
   artwork.doubled_mm = shared->doubled_mm;
   if (artwork.doubled_mm >= 0.05) {
     artwork.warnings.push_back(
@@ -317,9 +318,12 @@ void look_at(Painting painting, bool as_painted, Artwork& artwork) {
   }
   if (artwork.hidden_mm >= 0.05) {
     artwork.warnings.push_back(
-        fmt::format("{:.1f} mm of lines are hidden by fills, clip paths or masks: left out",
+        fmt::format("{:.1f} mm of lines are hidden by fills, wide strokes, clip paths, masks or the page's edge: left out",
                     artwork.hidden_mm));
   }
+  if (shared->hidden.in_part)
+    artwork.warnings.push_back(
+        "so many wide strokes that what lies beneath some of them is drawn, too");
   if (!as_painted && shared->clips.size() > 1)
     artwork.warnings.push_back("clip paths and masks are passed over: what they hide is drawn");
 }

@@ -211,10 +211,10 @@ class Eye {
     }
   }
 
-  double look() {
+  Hidden look() {
     for (std::size_t i = paints_.size(); i-- > 0;) look_at(i);
     drop_seams();
-    return hidden_;
+    return {std::max(0.0, hidden_), offset_ > kMostCovering || compared_ >= kMostCompared};
   }
 
  private:
@@ -638,7 +638,7 @@ class Eye {
 
 }  // namespace
 
-double keep_visible(std::vector<Paint>& paints, const std::vector<Clip>& clips,
+Hidden keep_visible(std::vector<Paint>& paints, const std::vector<Clip>& clips,
                     std::vector<Dash>& dashes) {
   AlignedBox2d ink, all;
   for (const Paint& paint : paints) {
@@ -649,7 +649,7 @@ double keep_visible(std::vector<Paint>& paints, const std::vector<Clip>& clips,
   for (const Clip& clip : clips) {
     for (const ClipShape& shape : clip.shapes) all.extend(outlines_box(shape.area.outlines));
   }
-  return ink.isEmpty() ? 0.0 : std::max(0.0, Eye(paints, clips, dashes, all, ink).look());
+  return ink.isEmpty() ? Hidden() : Eye(paints, clips, dashes, all, ink).look();
 }
 
 }  // namespace impedraw

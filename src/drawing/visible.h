@@ -45,10 +45,15 @@ struct Clip {
   std::vector<ClipShape> shapes = {};  // their clips stand behind this clip
 };
 
+struct Hidden {
+  double length = 0;  // of strokes [mm]
+  // Wide strokes were so many that the rest of them hid nothing.
+  bool in_part = false;
+};
+
 // Cuts the strokes and areas of the paints. Cut dashed strokes get dashes of their own, so that the
-// pattern runs on. Returns the length of the strokes that are hidden [mm]. InputError: outlines
-// cross too often.
-double keep_visible(std::vector<Paint>& paints, const std::vector<Clip>& clips,
+// pattern runs on. Returns what is hidden. InputError: outlines cross too often.
+Hidden keep_visible(std::vector<Paint>& paints, const std::vector<Clip>& clips,
                     std::vector<Dash>& dashes);
 
 }  // namespace impedraw

@@ -427,7 +427,7 @@ test("a file that lost its end is shown up to there, and says so", { timeout: 60
 
 test("what a run left out stands in the scene in a colour of its own", { timeout: 600_000, skip: Boolean(process.env.RUN) }, async () => {
   writeFileSync(join(scratch, "part.svg"),
-    '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100"><path d="M150 50H400" fill="none" stroke="black"/></svg>');
+    '<svg xmlns="http://www.w3.org/2000/svg" width="500mm" height="100mm" viewBox="0 0 500 100"><path d="M150 50H400" fill="none" stroke="black"/></svg>');
   const out = join(scratch, "part");
   execFileSync(program, ["draw", "--svg", join(scratch, "part.svg"), "--skip-unreachable", "--set", "drawing.placement.fit_radius=0.3", "--set", "path.draw_speed=0.2", "--out", out], { stdio: "pipe" });
   const { not_drawable } = JSON.parse(readFileSync(join(out, "strokes.json"), "utf8"));
