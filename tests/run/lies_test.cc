@@ -181,7 +181,7 @@ TEST(Lies, ReadingsThatStandStillAreNamedBeforeThePenHitsTheCanvas) {
     const char* const name = names[i % 3];
     SCOPED_TRACE(testing::Message()
                  << name << " " << share << ", joint " << only + 1 << " " << i % 4);
-    Experiment e = prepared(name);
+    Prepared e = prepared(name);
     const double from = time_at(e.plan.path, share);
     std::optional<ArmState> last;
     Liar arm(e, [&](ArmState* s) {
@@ -274,7 +274,7 @@ TEST(Lies, AJointThatItsTorqueDoesNotMoveIsNamedWhileOthersMove) {
 }
 
 TEST(Lies, AWrenchThatStandsStillIsNamedAsThePenIsLifted) {
-  Experiment e = prepared("bowl-sine");
+  Prepared e = prepared("bowl-sine");
   const double from = time_at(e.plan.path, 0.5);
   std::optional<ArmState> last;
   Liar arm(e, [&](ArmState* s) {
