@@ -318,7 +318,8 @@ void look_at(Painting painting, bool as_painted, Artwork& artwork) {
   }
   if (artwork.hidden_mm >= 0.05) {
     artwork.warnings.push_back(
-        fmt::format("{:.1f} mm of lines are hidden by fills, wide strokes, clip paths, masks or the page's edge: left out",
+        fmt::format("{:.1f} mm of lines are hidden by fills, wide strokes, clip paths, masks or "
+                    "the page's edge: left out",
                     artwork.hidden_mm));
   }
   if (shared->hidden.in_part)

@@ -173,8 +173,7 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
 TrueCover true_cover(const Scenario& s, const Truth& truth, const Pose& X_WP,
                      const CoverPlan& plan) {
   TrueCover cover;
-  cover.grid =
-      same_places(plan.grid, canvas_height(truth.canvas, X_WP), s.preflight.max_slope_deg);
+  cover.grid = same_places(plan.grid, canvas_height(truth.canvas, X_WP), s.preflight.max_slope_deg);
   CoverWish wish = plan.wish;
   wish.margin = 0.0;
   cover.reachable = swept(cover.grid, footprint_centres(cover.grid, wish), wish.footprint.radius);

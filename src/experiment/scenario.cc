@@ -370,8 +370,7 @@ void describe(Fields& f, LayerPenSettings& s) {
 
 void describe(Fields& f, ToolSettings& s) {
   using Limits = ToolSettings::Limits;
-  f.choice("kind", s.kind,
-           {{"pen", ToolKind::pen}, {"pad", ToolKind::pad}},
+  f.choice("kind", s.kind, {{"pen", ToolKind::pen}, {"pad", ToolKind::pad}},
            "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
            "foam.");
   f.field(Limits::radius, s.radius, "Radius of the pad.");

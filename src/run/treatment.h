@@ -1,7 +1,7 @@
 // What a pad has treated, place by place, from its poses and forces: the world's for the truth, the
 // arm's own for what it knows.
 //
-//   p_i = k max(0, d − z_i) within r of the pad's axis, d so that Σ p dA = f           pressure [Pa]
+//   p_i = k max(0, d − z_i) within r of the pad's axis, d so that Σ p dA = f          pressure [Pa]
 //   dose = ∫ p v dt      Preston: what is removed is k times this, k of the material    [Pa m]
 //
 // z_i: of the place along z_E. The force tells how deep the foam is pressed, wherever the grid

@@ -465,7 +465,8 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   }
   cutoffs_.tip += std::any_of(touches.begin(), touches.end(),
                               [](const Mujoco::Touch& touch) { return !touch.converged; });
-  if (touches.empty() || (settings_.tip.friction_change == 0.0 && settings_.tip.wear == 0.0)) return;
+  if (touches.empty() || (settings_.tip.friction_change == 0.0 && settings_.tip.wear == 0.0))
+    return;
   const Mujoco::Touch& nearest = touches.front();
   line_.advance(settings_.tip, nearest.impulse[2] / h,
                 (nearest.J_C.lazyProduct(w.v) - nearest.canvas_velocity).head<2>().norm(), h);

@@ -277,7 +277,8 @@ TEST_F(CommandLine, PlanDrawAndInspectTellTheSameOfAFile) {
       "1 × <image>: pictures are left out: a pen draws lines only",
       "1 × <use> refers to '#gone', which the file does not hold: left out",
       "1 shapes are left out: hidden, or wholly transparent",
-      "2.9 mm of lines are hidden by fills, wide strokes, clip paths, masks or the page's edge: left out",
+      "2.9 mm of lines are hidden by fills, wide strokes, clip paths, masks or the page's edge: "
+      "left out",
       "1 shapes or groups are partly transparent: drawn as if they were not"};
   write("a.svg", R"svg(<svg xmlns="http://www.w3.org/2000/svg" width="120mm" height="120mm"
       viewBox="0 0 120 120"><image width="9" height="9" href="photo.png"/><use href="#gone"/>

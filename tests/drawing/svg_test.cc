@@ -363,7 +363,8 @@ TEST(Svg, NothingIsLostInSilence) {
       {box + "mask='url(#m)'/>", 80, {"1 × mask refers to '#m'" + lacks + "passed over"}},
       {"<clipPath id='c'><circle r='9'/></clipPath>" + box + "clip-path='url(#c)'/>",
        40,
-       {"40.0 mm of lines are hidden by fills, wide strokes, clip paths, masks or the page's edge: left out"}},
+       {"40.0 mm of lines are hidden by fills, wide strokes, clip paths, masks or the page's edge: "
+        "left out"}},
       {"<use href='#a'/>", 40, {"1 × <use> refers to '#a'" + lacks + "left out"}},
       {"<use xlink:href='b.svg#a'/>", 40, {"1 × <use> refers to 'b.svg#a'" + lacks + "left out"}},
       {"<rect width='9' height='9' fill='url(\"#g\") none'/>",

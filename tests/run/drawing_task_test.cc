@@ -41,7 +41,7 @@ struct MadeUpPen {
 };
 
 TEST(StandingDrawing, DrawsItsPlanAndEnds) {
-  Prepared e = prepared("bowl-sine");
+  Experiment e = prepared("bowl-sine");
   StandingDrawing drawing(e, e.plan.path);
   MadeUpPen pen(e);
   const Move move = drawing.next(pen.now());
@@ -56,7 +56,7 @@ TEST(StandingDrawing, DrawsItsPlanAndEnds) {
 }
 
 TEST(StandingDrawing, DrawsAGapOnceMore) {
-  Prepared e = prepared("bowl-sine");
+  Experiment e = prepared("bowl-sine");
   StandingDrawing drawing(e, e.plan.path);
   MadeUpPen pen(e);
   drawing.next(pen.now());
@@ -72,7 +72,7 @@ TEST(StandingDrawing, DrawsAGapOnceMore) {
 }
 
 TEST(StandingDrawing, GoesOnBehindABlockedPlaceAndDoesNotDrawItAgain) {
-  Prepared e = prepared("bowl-sine");
+  Experiment e = prepared("bowl-sine");
   StandingDrawing drawing(e, e.plan.path);
   MadeUpPen pen(e);
   drawing.next(pen.now());
@@ -116,7 +116,7 @@ TEST(TouchedDrawing, GoesStrokeByStrokeThenUp) {
 }
 
 TEST(MovingDrawing, WatchesFirstAndEndsIfNoCameraSeesTheCanvas) {
-  Prepared e = prepared("standing-noisy");
+  Experiment e = prepared("standing-noisy");
   MovingDrawing drawing(e, 0.0);
   MadeUpPen pen(e);
   pen.pen.time = 0.25;
@@ -130,7 +130,7 @@ TEST(MovingDrawing, WatchesFirstAndEndsIfNoCameraSeesTheCanvas) {
 }
 
 TEST(MovingDrawing, GivesAStrokeUpThatLeavesTheReachTimeAndAgain) {
-  Prepared e = prepared("standing-noisy", {"drawing.skip_unreachable=true"});
+  Experiment e = prepared("standing-noisy", {"drawing.skip_unreachable=true"});
   MovingDrawing drawing(e, 5.0);
   MadeUpPen pen(e);
   EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::lift) << "of a resumed run";

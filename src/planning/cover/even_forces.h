@@ -4,7 +4,8 @@
 //   d_v = Σ_k w_k f_k over the knots k whose footprint holds v,  w_k the way at k
 //   f_k ← f_k · mean over the places under k of (d̄ / d_v), within 1 ± most, smoothed along the line
 //
-// d̄: mean dose. At the end all are scaled so that their mean over the way is 1. It is the usual way to find dwell times in polishing by a small tool.
+// d̄: mean dose. At the end all are scaled so that their mean over the way is 1. It is the usual way
+// to find dwell times in polishing by a small tool.
 #pragma once
 
 #include <vector>
