@@ -96,7 +96,10 @@ void MotionCheck::update_still(const JointVector* v, const JointVector& torque,
       continue;
     }
     if (still_readings_[j]++ == 0.0) {
-      double least = speeds_[0][j];
+      const std::size_t n = speeds_.size();
+      const double last = speeds_[(oldest_ + n - 1) % n][j],
+                   goes_on = 2.0 * last - speeds_[(oldest_ + n - 2) % n][j];
+      double least = goes_on;
       for (const JointVector& speed : speeds_) {
         if (speed[j] * least <= 0.0) least = 0.0;
         if (std::abs(speed[j]) < std::abs(least)) least = speed[j];

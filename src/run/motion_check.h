@@ -19,7 +19,8 @@
 //             that time is above 0.1 mrad
 //   stopped   not: q_j stays the same, bit by bit, for 8 ms and 3 readings after a motion that
 //             nothing can have ended within one reading: of the joints that stop, v̄ is the least
-//             speed of the last 5 readings, all in one direction, and for one joint k
+//             speed of the last 5 readings and of what their last change leads to, all in one
+//             direction, and for one joint k
 //             |M v̄|_k/Δt > |Δτ_k| + |Δτ_ext,k| + max(1.5 Nm, 0.02 τ_max,k). The last is what dry
 //             friction gains as a joint comes to rest.
 //

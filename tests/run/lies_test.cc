@@ -230,6 +230,7 @@ TEST(Lies, OnlyAStopThatNothingExplainsIsOne) {
   EXPECT_EQ(named(0.1, 0.0, 1e-5, 0.0), 8);
   EXPECT_EQ(named(0.01, 0.0, 0.0, 0.0), 8);     // at 5 mm/s
   EXPECT_EQ(named(0.1, 0.1, 0.0, 0.0), -1);     // it slows down
+  EXPECT_EQ(named(0.1, 0.0105, 0.0, 0.0), -1);  // quickly, and dry friction keeps it
   EXPECT_EQ(named(0.1, 0.0, 0.0, 250.0), -1);   // a blow can stop it
   EXPECT_EQ(named(0.002, 0.0, 0.0, 0.0), -1);   // dry friction can
   EXPECT_EQ(named(0.008, 0.0, 1e-4, 0.0), -1);  // coarse positions
