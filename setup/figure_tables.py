@@ -7,7 +7,7 @@ import quotes
 SHAPES = ("sine", "m")
 STANDARD = [f"bowl-{s}{kind}" for kind in ("", "-natural", "-blind") for s in SHAPES]
 DRAWINGS = "koi koi-blind".split()
-GALLERY = "gallery-wall gallery-island gallery-cylinder gallery-text gallery-tile gallery-leaf".split()
+GALLERY = "gallery-wall gallery-island gallery-cylinder gallery-text gallery-calligraphy gallery-tile gallery-leaf gallery-portrait".split()
 
 # A metric, its decimals, its label in tables.
 METRICS = [

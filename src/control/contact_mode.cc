@@ -27,10 +27,6 @@ struct Transition {
   Mode to;
 };
 
-// Deeper beneath the estimated surface than where it was touched, the pen is on no surface that
-// perception knows: off an edge, or down a wall [m].
-constexpr double kDeepest = 6e-3;
-
 constexpr Transition kTable[] = {
     // the first match applies
     {Mode::free, kApproachable, Mode::approach},   {Mode::approach, kPenUp, Mode::lift},
@@ -88,7 +84,7 @@ ContactMode ContactStates::next(const ContactEvidence& e) noexcept {
   if (e.pen_down && e.surface_known && !e.wrench_lost) events |= kApproachable;
   if (near && held) events |= kTouch;
   if (far || time_without_force_ > settings_.loss_time) events |= kTouchLost;
-  const bool deep = mode_ == Mode::contact && e.surface_known && e.distance - error < -kDeepest;
+  const bool deep = mode_ == Mode::contact && e.surface_known && e.distance - error < -settings_.deepest;
   if (lost_for_long || e.wrench_lost || deep) events |= kSurfaceLost;
   if (!e.pen_down && (far || lost_for_long)) events |= kClear;
 

@@ -9,8 +9,8 @@
 //   approach, contact ──surface or wrench lost──>          retreat
 //   retreat           ──pen up desired──>                  free
 //
-// A pen 6 mm beneath the surface as estimated, less the error found at touch, counts as surface
-// lost.
+// A pen deeper than `deepest` beneath the surface as estimated, less the error found at touch,
+// counts as surface lost.
 // Touch requires the tip to be near the estimated surface *and* something to hold it. With a
 // measured wrench, that is a normal force within `search_distance`. Without one, it is a tip that
 // no longer follows the approach, within `enter_distance`. Distance alone would start the push
@@ -39,6 +39,9 @@ struct ContactSettings {
   double loss_time = 0.03;    // time below loss_force after which touch is lost [s]
   // time for which the last normal is used while perception has none [s]
   double lost_surface_time = 0.25;
+  // Deeper beneath the estimated surface than where it was touched, the pen is on no surface that
+  // perception knows: off an edge, or down a wall. What is soft at its end adds its own way [m].
+  double deepest = 6.0e-3;
 
   struct Limits {
     static constexpr Limit enter_distance = {"enter_distance", "m", {0.0, 0.05}};

@@ -67,6 +67,7 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
   if (const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force)) {
     // Its face lies on the surface at E, and it is softer than a pen.
     settings.tip = {0.0, 0.0};
+    settings.contact.deepest += pad->thickness;
     settings.stability_check.contact_stiffness_max = std::min(
         settings.stability_check.contact_stiffness_max, kPadSpread * pad->stiffness * pad->area());
   }

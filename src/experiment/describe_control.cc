@@ -36,7 +36,9 @@ void describe(Fields& f, ContactSettings& s) {
 void describe(Fields& f, ObserverSettings& s) {
   using Limits = ObserverSettings::Limits;
   f.field("enabled", s.enabled, "Uses the observer. It needs a measured wrench.");
-  f.field(Limits::bandwidth, s.bandwidth, "Bandwidth of the observer's low-pass filter.");
+  f.field(Limits::bandwidth, s.bandwidth,
+          "Bandwidth of the observer's low-pass filter. The default becomes 600 rad/s for a "
+          "simulated arm whose description has dry friction.");
   f.field(Limits::limit, s.limit, "Largest torque that the observer compensates on a joint.");
   f.field(
       Limits::yield_limit, s.yield_limit,

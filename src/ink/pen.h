@@ -26,6 +26,9 @@ struct PenSettings {
     const double w = std::clamp(wanted, 0.25 * width, 3.0 * width);
     return within(nominal_force + (w - width) / width_per_newton);
   }
+  double thinnest() const {  // [mm]
+    return presses() ? std::min(width_at(least_force), width_at(most_force)) : width;
+  }
   double within(double force) const { return std::clamp(force, least_force, most_force); }
 
   struct Limits {

@@ -1,5 +1,6 @@
 #include "impedraw/run/results.h"
 
+#include <algorithm>
 #include <fstream>
 #include <future>
 
@@ -58,7 +59,12 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
     PictureSettings picture;
     picture.pen = scenario.pen;
     picture.pens = read_pens(run.attributes);
-    picture.target_width = 2.6 * scenario.pen.width;
+    // Wide enough to be seen beside the ink, and no wider than ink that swells or other pens draw.
+    double thinnest = scenario.pen.thinnest();
+    if (picture.pens)
+      for (const DrawnPen& pen : picture.pens->pens)
+        thinnest = std::min(thinnest, pen.line.thinnest());
+    picture.target_width = 2.6 * thinnest;
     picture.R_WP = artwork.X_WP.R;
     picture.left_out = left_out_in(folder / "strokes.json");
     write_ink_top(run, drawn, folder / "ink_top", picture);
