@@ -84,7 +84,8 @@ ContactMode ContactStates::next(const ContactEvidence& e) noexcept {
   if (e.pen_down && e.surface_known && !e.wrench_lost) events |= kApproachable;
   if (near && held) events |= kTouch;
   if (far || time_without_force_ > settings_.loss_time) events |= kTouchLost;
-  const bool deep = mode_ == Mode::contact && e.surface_known && e.distance - error < -settings_.deepest;
+  const bool deep =
+      mode_ == Mode::contact && e.surface_known && e.distance - error < -settings_.deepest;
   if (lost_for_long || e.wrench_lost || deep) events |= kSurfaceLost;
   if (!e.pen_down && (far || lost_for_long)) events |= kClear;
 
