@@ -47,7 +47,7 @@ class Pins(unittest.TestCase):
             for what in re.findall(r'^\s*(?:FROM|- uses:|container:|"?image"?:) *[\["]?(?!\${{ matrix.image }})([^\s\]",]+)', file.read_text(), flags=re.MULTILINE):
                 named += 1
                 self.assertRegex(what, r"@(sha256:[0-9a-f]{64}|[0-9a-f]{40})$", file)
-        self.assertEqual(named, 15)
+        self.assertEqual(named, 17)
 
 
 if __name__ == "__main__":

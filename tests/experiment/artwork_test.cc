@@ -116,8 +116,8 @@ TEST_F(MadeArtwork, TextIsAnArtworkToo) {
   EXPECT_FALSE(placement_settings(settings_).scale.has_value());
   settings_.keep_order = false;
   EXPECT_LE(pen_up_length(made().strokes), pen_up_length(make_text(settings_.text).strokes));
-  settings_.text.text = "\xd0\xb6";
-  EXPECT_THAT(error(), HasSubstr("U+0436"));
+  settings_.text.text = "\xe4\xb8\xad";
+  EXPECT_THAT(error(), HasSubstr("U+4E2D"));
 }
 
 TEST_F(MadeArtwork, SimplifiedWithinTheTolerance) {

@@ -88,7 +88,9 @@ class ReadingMonitor {
   bool stands_still(const Cycle& cycle) noexcept {
     constexpr double kPushes = 1.0, kMoved = 5e-3;  // [N], [m]
     const Eigen::Vector3d& p_WE = cycle.arm.X_WE.p;
-    if (cycle.state->wrench != wrench_ || !(cycle.normal_force() > kPushes)) {
+    // A wrench whose stamp is old is the law's concern.
+    const bool old = cycle.state->time - cycle.state->wrench_time > kAhead + wrench_delay_;
+    if (old || cycle.state->wrench != wrench_ || !(cycle.normal_force() > kPushes)) {
       wrench_ = cycle.state->wrench;
       p_WE_ = p_WE;
     }
@@ -97,7 +99,7 @@ class ReadingMonitor {
 
   std::string contradiction(const ArmState& state) {
     constexpr int kMostStill = 20;
-    constexpr double kAhead = 0.02, kOldest = 1.0;  // [s]
+    constexpr double kOldest = 1.0;  // [s]
     still_ = state.time == time_ ? still_ + 1 : 0;
     if (still_ > kMostStill) return "the arm's clock stands still";
     if (!(state.time >= time_))
@@ -112,6 +114,8 @@ class ReadingMonitor {
     if (!cause.empty() || driver_.wrench == WrenchReading::none) return cause;
     return outside("wrench", state.wrench_time, wrench_delay_);
   }
+
+  static constexpr double kAhead = 0.02;  // [s]
 
   DriverInfo driver_;
   JointVector torque_limit_;
