@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
@@ -32,6 +33,7 @@ MotionCheck::MotionCheck(const JointVector& speed_limit, const JointVector& torq
       fastest_(q_),
       torque_(q_),
       external_(q_),
+      grain_(JointVector::Constant(speed_limit.size(), std::numeric_limits<double>::infinity())),
       still_(q_),
       steady_(q_),
       still_readings_(q_),
@@ -92,6 +94,7 @@ void MotionCheck::update_still(const JointVector* v, const JointVector& torque,
     steady_readings_[j] = steady ? steady_readings_[j] + 1.0 : 0.0;
     beside_[j] = steady ? std::exp(-dt / kBeside) * (beside_[j] + moved_[j] - v_[j] * dt) : 0.0;
     if (moved_[j] != 0.0) {
+      grain_[j] = std::min(grain_[j], std::abs(moved_[j]));
       still_[j] = still_readings_[j] = stopped_[j] = 0.0;
       continue;
     }
@@ -104,7 +107,8 @@ void MotionCheck::update_still(const JointVector* v, const JointVector& torque,
         if (speed[j] * least <= 0.0) least = 0.0;
         if (std::abs(speed[j]) < std::abs(least)) least = speed[j];
       }
-      stops[j] = least;
+      const double rounding = std::min(std::abs(least), 2.0 * grain_[j] / dt);
+      stops[j] = least - std::copysign(rounding, least);
     }
     still_[j] += dt;
   }

@@ -20,7 +20,7 @@
 //   stopped   not: q_j stays the same, bit by bit, for 8 ms and 3 readings after a motion that
 //             nothing can have ended within one reading: of the joints that stop, v̄ is the least
 //             speed of the last 5 readings and of what their last change leads to, all in one
-//             direction, and for one joint k
+//             direction, less twice the least change of q_j that was ever read, and for one joint k
 //             |M v̄|_k/Δt > |Δτ_k| + |Δτ_ext,k| + max(1.5 Nm, 0.02 τ_max,k). The last is what dry
 //             friction gains as a joint comes to rest.
 //
@@ -66,6 +66,7 @@ class MotionCheck {
   std::array<JointVector, 5> speeds_;  // by positions, of the last readings, in a ring [rad/s]
   std::size_t oldest_ = 0;
   JointVector torque_, external_;  // of the last reading [Nm]
+  JointVector grain_;              // least change of q_j that was read: it may be rounded [rad]
   JointVector still_, steady_;     // how long q_j, and v_j, have not changed [s]
   JointVector still_readings_, steady_readings_;
   JointVector beside_;    // y [rad]

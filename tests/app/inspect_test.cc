@@ -44,8 +44,8 @@ TEST(Inspect, LengthOfManySmallArcs) {
   // Curves far smaller than the page: a thousand arcs of radius 0.2 mm on 500 mm.
   std::string d;
   for (int i = 0; i < 1000; ++i)
-    d +=
-        "M" + std::to_string(i % 50 * 10) + " " + std::to_string(i / 50 * 25 + 1) + "a.2 .2 0 0 1 .4 0";
+    d += "M" + std::to_string(i % 50 * 10) + " " + std::to_string(i / 50 * 25 + 1) +
+         "a.2 .2 0 0 1 .4 0";
   const auto found = described(
       "b.svg",
       R"(<svg xmlns="http://www.w3.org/2000/svg" width="500mm" height="500mm" viewBox="0 0 500 500">
