@@ -589,7 +589,7 @@ struct Terminal {
 };
 
 TEST_F(CommandLine, ATerminalShowsProgress) {
-  Terminal terminal(folder_, Words{"draw", "--out", "run", "--set", "path.draw_speed=0.02"});
+  Terminal terminal(folder_, Words{"draw", "--out", "run", "--set", "path.draw_speed=0.002"});
   while (terminal.read()) {
   }
   EXPECT_EQ(terminal.wait(), 0);
