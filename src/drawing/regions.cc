@@ -138,6 +138,10 @@ Outlines RegionMath::without(const Outlines& a, const Outlines& b) const {
   return run(cl::ctDifference, a, b, false);
 }
 
+namespace {
+constexpr double kBeyond = 2e-9;  // crossings beside an edge's end count, as a share of it
+}
+
 RegionIndex::RegionIndex(const Outlines& region) : box_(outlines_box(region)) {
   double climbed = 0;
   for (const auto& outline : region) {
@@ -156,7 +160,10 @@ RegionIndex::RegionIndex(const Outlines& region) : box_(outlines_box(region)) {
     const auto [low, high] = std::minmax(edges_[i].a.y(), edges_[i].b.y());
     for (std::size_t s = strip_of(low), last = strip_of(high); s <= last; ++s)
       strips_[s].push_back(static_cast<int>(i));
+    widest_ = std::max(widest_, std::abs(edges_[i].b.x() - edges_[i].a.x()));
   }
+  for (std::vector<int>& strip : strips_)
+    std::sort(strip.begin(), strip.end(), [this](int i, int j) { return left(i) < left(j); });
 }
 
 std::size_t RegionIndex::strip_of(double y) const {
@@ -164,10 +171,21 @@ std::size_t RegionIndex::strip_of(double y) const {
   return static_cast<std::size_t>(std::clamp((y - box_.min().y()) / height_, 0.0, last));
 }
 
+double RegionIndex::left(int edge) const {
+  return std::min(edges_[edge].a.x(), edges_[edge].b.x());
+}
+
+std::span<const int> RegionIndex::reaching(std::size_t strip, double x) const {
+  const std::vector<int>& edges = strips_[strip];
+  const double from = x - (1.0 + kBeyond) * widest_;
+  const auto is_left = [this](int i, double of) { return left(i) < of; };
+  return {std::lower_bound(edges.begin(), edges.end(), from, is_left), edges.end()};
+}
+
 bool RegionIndex::inside(const Vector2d& p) const {
   if (edges_.empty() || !box_.contains(p)) return false;
   int winding = 0;
-  for (const int i : strips_[strip_of(p.y())]) {
+  for (const int i : reaching(strip_of(p.y()), p.x())) {
     const Edge& e = edges_[i];
     if ((e.a.y() <= p.y()) == (e.b.y() <= p.y())) continue;
     const double side = cross(Vector2d(e.b - e.a), Vector2d(p - e.a));
@@ -181,7 +199,8 @@ void RegionIndex::crossings(const Vector2d& a, const Vector2d& b, std::vector<do
   const Eigen::AlignedBox2d box(a.cwiseMin(b), a.cwiseMax(b));
   if (!box.intersects(box_)) return;
   for (std::size_t s = strip_of(box.min().y()), last = strip_of(box.max().y()); s <= last; ++s) {
-    for (const int i : strips_[s]) {
+    for (const int i : reaching(s, box.min().x())) {
+      if (left(i) > box.max().x() + kBeyond * widest_) break;
       const Vector2d along = b - a, edge = edges_[i].b - edges_[i].a, to = edges_[i].a - a;
       const double turn = cross(along, edge);
       if (turn == 0) continue;

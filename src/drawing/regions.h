@@ -5,6 +5,7 @@
 // turn one way, holes the other.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -57,10 +58,14 @@ class RegionIndex {
   // Clamped to the strips that there are.
   std::size_t strip_of(double y) const;
 
+  double left(int edge) const;  // least x [mm]
+  // The edges of a strip that may reach x or lie beyond it, from left to right.
+  std::span<const int> reaching(std::size_t strip, double x) const;
+
   std::vector<Edge> edges_;
-  std::vector<std::vector<int>> strips_;  // edges in each strip of y
+  std::vector<std::vector<int>> strips_;  // edges in each strip of y, from left to right
   Eigen::AlignedBox2d box_;
-  double height_ = 1;  // of a strip [mm]
+  double height_ = 1, widest_ = 0;  // of a strip; of the edges [mm]
 };
 
 }  // namespace impedraw

@@ -276,7 +276,11 @@ class Eye {
     AlignedBox2d box = outlines_box(paint.area.outlines);
     box.extend(bounds_of(paint.strokes));
     const Shown* clip = paint.clip < 0 ? nullptr : &shown_by(paint.clip);
-    if (clip && !box.isEmpty() && holds(clip->region, box)) clip = nullptr;
+    // What only touches the clip's edge, as much does the page's, is whole, too.
+    const Vector2d edge = Vector2d::Constant(hair_).cwiseMin(0.5 * box.sizes());
+    if (clip && !box.isEmpty() &&
+        holds(clip->region, AlignedBox2d(box.min() + edge, box.max() - edge)))
+      clip = nullptr;
     if (clip) box = box.intersection(outlines_box(clip->region));
     std::vector<int> over;
     if (!box.isEmpty()) over = covers_.over(box, index);
