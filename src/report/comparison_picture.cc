@@ -29,13 +29,6 @@ struct PlotFrame {
   }
 };
 
-void write_text(cairo_t* cr, double x, double y, const std::string& text, double align = 0.0) {
-  cairo_text_extents_t extents;
-  cairo_text_extents(cr, text.c_str(), &extents);
-  cairo_move_to(cr, x - align * extents.x_advance, y);
-  cairo_show_text(cr, text.c_str());
-}
-
 std::string minus_text(double value) {
   const std::string text = fmt::format("{:g}", std::abs(value));
   return (value < 0.0 ? "−" : "") + text;
@@ -49,55 +42,47 @@ void draw_frame(cairo_t* cr, const PlotFrame& plot, const std::string& title,
   for (const double x : ticks(plot.data.min().x(), plot.data.max().x(), plot.data.sizes().x())) {
     const double u = plot.at(x, 0.0).x();
     set_colour(cr, kRule);
-    cairo_move_to(cr, u, low.y());
-    cairo_line_to(cr, u, high.y());
-    cairo_stroke(cr);
+    stroke_line(cr, {{u, low.y()}, {u, high.y()}});
     set_colour(cr, kWord);
-    write_text(cr, u, high.y() + 4.2, minus_text(x_sign * x), 0.5);
+    show_text(cr, u, high.y() + 4.2, minus_text(x_sign * x), 0.5);
   }
   for (const double y : ticks(plot.data.min().y(), plot.data.max().y(), plot.data.sizes().y())) {
     const double v = plot.at(0.0, y).y();
     set_colour(cr, kRule);
-    cairo_move_to(cr, low.x(), v);
-    cairo_line_to(cr, high.x(), v);
-    cairo_stroke(cr);
+    stroke_line(cr, {{low.x(), v}, {high.x(), v}});
     set_colour(cr, kWord);
-    write_text(cr, low.x() - 1.2, v + 1.1, minus_text(y), 1.0);
+    show_text(cr, low.x() - 1.2, v + 1.1, minus_text(y), 1.0);
   }
   set_colour(cr, kWord);
-  write_text(cr, low.x(), low.y() - 1.6, title);
-  write_text(cr, high.x(), high.y() + 8.2, x_name, 1.0);
+  show_text(cr, low.x(), low.y() - 1.6, title);
+  show_text(cr, high.x(), high.y() + 8.2, x_name, 1.0);
 }
 
 void draw_curve(cairo_t* cr, const PlotFrame& plot, const Envelope& curve, const Colour& colour,
                 bool dashed = false) {
   set_colour(cr, colour);
   cairo_set_line_width(cr, 0.3);
-  const double dash[] = {1.6, 0.9};
-  if (dashed) cairo_set_dash(cr, dash, 2, 0.0);
-  bool drawing = false;
+  if (dashed) set_dash(cr, 1.6, 0.9);
   for (std::size_t i = 0; i < curve.t.size(); ++i) {
     if (!std::isfinite(curve.v[i])) {
-      drawing = false;
+      cairo_new_sub_path(cr);
       continue;
     }
     const Eigen::Vector2d p = plot.at(curve.t[i], curve.v[i]);
-    drawing ? cairo_line_to(cr, p.x(), p.y()) : cairo_move_to(cr, p.x(), p.y());
-    drawing = true;
+    cairo_line_to(cr, p.x(), p.y());
   }
   cairo_stroke(cr);
-  cairo_set_dash(cr, nullptr, 0, 0.0);
+  set_dash(cr);
 }
 
 void draw_lines(cairo_t* cr, const PlotFrame& plot, const std::vector<Line2d>& lines,
                 const Colour& colour, double width) {
   set_colour(cr, colour);
   cairo_set_line_width(cr, width);
-  for (const Line2d& line : lines)
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      const Eigen::Vector2d p = plot.at(line[i].x(), line[i].y());
-      i == 0 ? cairo_move_to(cr, p.x(), p.y()) : cairo_line_to(cr, p.x(), p.y());
-    }
+  for (Line2d line : lines) {
+    for (Eigen::Vector2d& p : line) p = plot.at(p.x(), p.y());
+    trace(cr, line);
+  }
   cairo_stroke(cr);
 }
 
@@ -106,15 +91,10 @@ void draw_keys(cairo_t* cr, double x, double y,
                const std::vector<std::pair<std::string, Colour>>& entries) {
   for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
     set_colour(cr, kWord);
-    write_text(cr, x, y, entry->first, 1.0);
-    cairo_text_extents_t extents;
-    cairo_text_extents(cr, entry->first.c_str(), &extents);
-    x -= extents.x_advance + 1.5;
+    x -= show_text(cr, x, y, entry->first, 1.0) + 1.5;
     set_colour(cr, entry->second);
     cairo_set_line_width(cr, 0.9);
-    cairo_move_to(cr, x - 6.0, y - 1.1);
-    cairo_line_to(cr, x, y - 1.1);
-    cairo_stroke(cr);
+    stroke_line(cr, {{x - 6.0, y - 1.1}, {x, y - 1.1}});
     x -= 10.0;
   }
 }
@@ -159,9 +139,8 @@ void write_comparison_picture(const std::string& title, const std::vector<Pictur
   Eigen::AlignedBox2d lines;
   double last = 1.0, most_force = 1.0, most_tilt = 1.0;
   for (const PicturedRun& run : runs) {
-    for (const std::vector<Line2d>* group : {&run.target, &run.ink})
-      for (const Line2d& line : *group)
-        for (const Eigen::Vector2d& p : line) lines.extend(p);
+    extend(&lines, run.target);
+    extend(&lines, run.ink);
     if (!run.force.t.empty()) last = std::max(last, run.force.t.back());
     const auto highest = [](const Envelope& e, double* most) {
       for (const double v : e.v)
@@ -188,8 +167,7 @@ void write_comparison_picture(const std::string& title, const std::vector<Pictur
   write_svg_and_png(stem, size, static_cast<int>(1700.0 * n / 2.0), [&](cairo_t* cr) {
     set_colour(cr, {1.0, 1.0, 1.0});
     cairo_paint(cr);
-    cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
-    cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
+    round_lines(cr);
     for (std::size_t k = 0; k < runs.size(); ++k) {
       const PicturedRun& run = runs[k];
       const double left = kColumnLeft + static_cast<double>(k) * (kColumnLeft + kColumnWide);
@@ -197,13 +175,10 @@ void write_comparison_picture(const std::string& title, const std::vector<Pictur
         return PlotFrame{
             {Eigen::Vector2d(left, top), Eigen::Vector2d(left + kColumnWide, top + height)}, data};
       };
-      cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_BOLD);
-      cairo_set_font_size(cr, 1.3 * kLetter);
       set_colour(cr, kWord);
-      write_text(cr, left + kColumnWide / 2, 6.5, run.name, 0.5);
-      cairo_select_font_face(cr, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-      cairo_set_font_size(cr, kLetter);
-      if (k == 0) write_text(cr, left, 6.5, title);
+      write_words(cr, left + kColumnWide / 2, 6.5, run.name, 1.3 * kLetter, true, 0.5);
+      set_font(cr, kLetter);
+      if (k == 0) show_text(cr, left, 6.5, title);
 
       const PlotFrame line = frame(kLineTop - 5.0, high, shown);
       draw_frame(cr, line, "x [mm]", "y [mm]", -1.0);

@@ -17,10 +17,6 @@ constexpr Colour kNotPromised{0.83, 0.84, 0.86}, kOnce{0.45, 0.72, 0.55}, kTwice
 constexpr double kFont = 5.0, kGap = 8.0, kTop = 24.0, kBelow = 18.0;  // [mm]
 constexpr int kWidth = 1600;                                           // [px]
 
-Colour between(const Colour& a, const Colour& b, double t) {
-  return {a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b)};
-}
-
 // Blue for too little, white for the mean, red for too much, to ± one half.
 Colour of_dose(double dose) {
   if (std::isnan(dose)) return kOutside;

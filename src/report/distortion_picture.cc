@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
 
-#include <cairo-svg.h>
 #include <cairo.h>
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -31,8 +28,7 @@ Colour colour_of(double share) {
   const double at = std::clamp(share, 0.0, 1.0) * (kScale.size() - 1);
   const std::size_t k = std::min(static_cast<std::size_t>(at), kScale.size() - 2);
   const double s = at - static_cast<double>(k);
-  const Colour &a = kScale[k], &b = kScale[k + 1];
-  return {a.r + s * (b.r - a.r), a.g + s * (b.g - a.g), a.b + s * (b.b - a.b)};
+  return between(kScale[k], kScale[k + 1], s);
 }
 
 // One value per vertex of the patch.
@@ -89,16 +85,13 @@ void draw_map(cairo_t* cr, const SurfacePatch& patch, const std::vector<double>&
 }
 
 void draw_strokes(cairo_t* cr, const std::vector<PlacedStroke>& strokes, double width) {
-  cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
-  cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
+  round_lines(cr);
   cairo_set_line_width(cr, width);
   set_colour(cr, kStroke);
   for (const PlacedStroke& stroke : strokes) {
-    for (std::size_t k = 0; k < stroke.p_P.size(); ++k) {
-      const Vector2d p = view(stroke.p_P[k]);
-      k == 0 ? cairo_move_to(cr, p.x(), p.y()) : cairo_line_to(cr, p.x(), p.y());
-      if (stroke.p_P.size() == 1) cairo_line_to(cr, p.x(), p.y());
-    }
+    Line2d line;
+    for (const Vector2d& p : stroke.p_P) line.push_back(view(p));
+    trace(cr, line);
   }
   cairo_stroke(cr);
 }
@@ -198,9 +191,7 @@ void draw_ruler(cairo_t* cr, const Layout& l) {
   const double y = l.height - 1.0 * l.font, x = l.gap;
   set_colour(cr, kText);
   cairo_set_line_width(cr, 0.12 * l.font);
-  cairo_move_to(cr, x, y);
-  cairo_line_to(cr, x + length, y);
-  cairo_stroke(cr);
+  stroke_line(cr, {{x, y}, {x + length, y}});
   write_words(cr, x + length + 0.5 * l.font, y + 0.3 * l.font,
               fmt::format("{:g} mm, seen from above", length), 0.85 * l.font);
 }

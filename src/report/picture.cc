@@ -18,7 +18,6 @@ constexpr Colour kTarget{0.98, 0.72, 0.38}, kInk{0.09, 0.24, 0.52}, kFar{0.84, 0
     kStray{0.62, 0.13, 0.66}, kLeftOut{0.0, 0.52, 0.42};
 
 using View = std::function<Eigen::Vector2d(const Eigen::Vector3d&)>;
-using Line = Line2d;
 
 // Point spacing and finest tolerance of lines [mm]; smaller details are not visible.
 // kMostPoints points make an SVG of 3 MB.
@@ -37,9 +36,9 @@ struct Style {
 // The ink as lines of one style each, thinned to the visible detail. Adjacent lines of different
 // style share a point.
 struct InkDrawing {
-  std::vector<Line> targets;
-  std::vector<Line> left_out;
-  std::vector<Line> ink;
+  std::vector<Line2d> targets;
+  std::vector<Line2d> left_out;
+  std::vector<Line2d> ink;
   std::vector<Style> style;  // of each ink line
   bool any(Kind kind) const {
     return std::any_of(style.begin(), style.end(),
@@ -47,7 +46,7 @@ struct InkDrawing {
   }
 };
 
-// Line width at force f, quantised to barely visible steps. Keeps the width `before` while it is
+// Line2d width at force f, quantised to barely visible steps. Keeps the width `before` while it is
 // within one step.
 double drawn_width(const PenSettings& pen, double f, double before) {
   if (pen.width_per_newton == 0.0) return pen.width;
@@ -60,14 +59,14 @@ InkDrawing prepare(const RunData& run, const InkMatch& drawn, const View& view,
                    const PictureSettings& settings) {
   InkDrawing out;
   for (const auto& target : drawn.targets) {
-    Line line;
+    Line2d line;
     for (std::size_t i = 0; i < target.size(); ++i)
       extend(line, view(target[i]), kSpacing, i + 1 == target.size());
     out.targets.push_back(std::move(line));
   }
   decimate_to(out.targets, kFinest, kMostPoints);
   for (const auto& part : settings.left_out) {
-    Line& line = out.left_out.emplace_back();
+    Line2d& line = out.left_out.emplace_back();
     for (const Eigen::Vector3d& p_W : part) line.push_back(view(p_W));
   }
   decimate_to(out.left_out, kFinest, kMostPoints);
@@ -83,7 +82,7 @@ InkDrawing prepare(const RunData& run, const InkMatch& drawn, const View& view,
     const bool same = length < 1.0 && number == before.pen;
     return Style{kind, same ? before.width : drawn_width(pen, run.f[i], before.width), number};
   };
-  const auto keep = [&out](const Style& style, Line line) {
+  const auto keep = [&out](const Style& style, Line2d line) {
     out.style.push_back(style);
     out.ink.push_back(std::move(line));
   };
@@ -92,7 +91,7 @@ InkDrawing prepare(const RunData& run, const InkMatch& drawn, const View& view,
     const InkLine& ink = drawn.lines[k];
     const bool joined = k > 0 && drawn.lines[k - 1].end == ink.begin;
     Style style = style_at(ink.begin, {}, 1.0);
-    Line line;
+    Line2d line;
     double length = 0.0;  // with this width [mm]
     if (joined) line.push_back(view(run.contact_point[ink.begin - 1]));
     for (std::size_t i = ink.begin; i < ink.end; ++i) {
@@ -115,30 +114,26 @@ InkDrawing prepare(const RunData& run, const InkMatch& drawn, const View& view,
 Colour colour_of(const PictureSettings& settings, int pen) {
   if (!settings.pens) return kInk;
   const auto colour = settings.pens->pens[static_cast<std::size_t>(pen)].colour;
-  if (!colour) return kInk;
-  const auto part = [&](int shift) { return static_cast<double>(*colour >> shift & 0xff) / 255.0; };
-  return {part(16), part(8), part(0)};
+  return colour ? colour_from(*colour) : kInk;
 }
 
 void draw_ink(cairo_t* cr, const InkDrawing& d, const PictureSettings& settings) {
-  cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
-  cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
+  round_lines(cr);
   cairo_set_line_width(cr, settings.target_width);
   set_colour(cr, kTarget);
-  for (const Line& line : d.targets) trace(cr, line);
+  for (const Line2d& line : d.targets) trace(cr, line);
   cairo_stroke(cr);
   if (!d.left_out.empty()) {
-    const double dash[] = {2.0 * settings.pen.width, 2.0 * settings.pen.width};
-    cairo_set_dash(cr, dash, 2, 0.0);
+    set_dash(cr, 2.0 * settings.pen.width, 2.0 * settings.pen.width);
     cairo_set_line_width(cr, settings.pen.width);
     set_colour(cr, kLeftOut);
-    for (const Line& line : d.left_out) trace(cr, line);
+    for (const Line2d& line : d.left_out) trace(cr, line);
     cairo_stroke(cr);
-    cairo_set_dash(cr, nullptr, 0, 0.0);
+    set_dash(cr);
   }
   for (const auto& [kind, colour] :
        {std::pair{Kind::on, kInk}, {Kind::far, kFar}, {Kind::stray, kStray}}) {
-    std::map<std::pair<int, double>, std::vector<const Line*>> of_style;
+    std::map<std::pair<int, double>, std::vector<const Line2d*>> of_style;
     for (std::size_t i = 0; i < d.ink.size(); ++i) {
       if (d.style[i].kind == kind)
         of_style[{d.style[i].pen, d.style[i].width}].push_back(&d.ink[i]);
@@ -146,7 +141,7 @@ void draw_ink(cairo_t* cr, const InkDrawing& d, const PictureSettings& settings)
     for (const auto& [style, lines] : of_style) {
       set_colour(cr, kind == Kind::on ? colour_of(settings, style.first) : colour);
       cairo_set_line_width(cr, style.second);
-      for (const Line* line : lines) trace(cr, *line);
+      for (const Line2d* line : lines) trace(cr, *line);
       cairo_stroke(cr);
     }
   }
@@ -191,12 +186,7 @@ Sheet common_sheet(const RunData& run, const InkMatch& drawn, const InkDrawing& 
 // Bounding box of the drawing, with a margin.
 Eigen::AlignedBox2d extent(const InkDrawing& d) {
   Eigen::AlignedBox2d box;
-  for (const Line& line : d.targets) {
-    for (const Eigen::Vector2d& p : line) box.extend(p);
-  }
-  for (const std::vector<Line>* lines : {&d.ink, &d.left_out})
-    for (const Line& line : *lines)
-      for (const Eigen::Vector2d& p : line) box.extend(p);
+  for (const std::vector<Line2d>* lines : {&d.targets, &d.ink, &d.left_out}) extend(&box, *lines);
   if (box.isEmpty()) box.extend(Eigen::Vector2d::Zero());
   return box;
 }

@@ -57,8 +57,7 @@ void write_plan(const PlanPicture& plan, const std::filesystem::path& stem) {
   if (!relief.contours.empty()) sheet.legend.push_back({kContour, 0.3, "height contours"});
   sheet.content = [&](cairo_t* cr) {
     draw_relief(cr, relief);
-    cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
-    cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
+    round_lines(cr);
     for (const auto& [problem, lines] : of_problem) {  // strokes that cannot be drawn lie on top
       cairo_set_line_width(cr, problem.empty() ? kWidth : 1.6 * kWidth);
       set_colour(cr, colours[problem]);

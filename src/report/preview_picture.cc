@@ -14,11 +14,6 @@ constexpr Colour kHidden{0.80, 0.80, 0.80}, kAir{0.55, 0.70, 0.90}, kNumber{0.35
 constexpr std::size_t kMostNumbers = 60;
 constexpr double kSameWidth = 0.05;  // relative
 
-Colour colour_of(std::uint32_t colour) {
-  const auto part = [&](int shift) { return static_cast<double>(colour >> shift & 0xff) / 255.0; };
-  return {part(16), part(8), part(0)};
-}
-
 // The line in pieces of about one width.
 void draw_line(cairo_t* cr, const PreviewLine& line) {
   std::vector<Vector2d> piece{line.points.front()};
@@ -42,14 +37,13 @@ void draw_line(cairo_t* cr, const PreviewLine& line) {
 }
 
 void draw_ways(cairo_t* cr, const std::vector<PreviewLine>& lines, double fine) {
-  const double dash[] = {4.0 * fine, 4.0 * fine};
-  cairo_set_dash(cr, dash, 2, 0.0);
+  set_dash(cr, 4.0 * fine, 4.0 * fine);
   cairo_set_line_width(cr, fine);
   set_colour(cr, kAir);
   for (std::size_t i = 1; i < lines.size(); ++i)
     trace(cr, {lines[i - 1].points.back(), lines[i].points.front()});
   cairo_stroke(cr);
-  cairo_set_dash(cr, nullptr, 0, 0.0);
+  set_dash(cr);
 }
 
 }  // namespace
@@ -68,16 +62,15 @@ void write_preview(const PreviewPicture& preview, const std::filesystem::path& s
   sheet.v_name = "down [mm]";
   const double fine = std::max(0.1, sheet.area.sizes().maxCoeff() / 800.0);  // of thin lines [mm]
   for (const PreviewPen& pen : preview.pens)
-    sheet.legend.push_back({colour_of(pen.colour), pen.width, pen.text});
+    sheet.legend.push_back({colour_from(pen.colour), pen.width, pen.text});
   if (!preview.whole.empty()) sheet.legend.push_back({kHidden, 4.0 * fine, "hidden, not drawn"});
   sheet.legend.push_back({kAir, fine, "in the air"});
   sheet.content = [&](cairo_t* cr) {
-    cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
-    cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
+    round_lines(cr);
     set_colour(cr, kHidden);
     for (const PreviewLine& line : preview.whole) draw_line(cr, line);
     for (const PreviewLine& line : preview.lines) {
-      set_colour(cr, colour_of(preview.pens[static_cast<std::size_t>(line.pen)].colour));
+      set_colour(cr, colour_from(preview.pens[static_cast<std::size_t>(line.pen)].colour));
       draw_line(cr, line);
     }
     draw_ways(cr, preview.lines, fine);
@@ -86,8 +79,7 @@ void write_preview(const PreviewPicture& preview, const std::filesystem::path& s
     cairo_set_font_size(cr, 16.0 * fine);
     for (std::size_t i = 0; i < preview.lines.size(); ++i) {
       const Vector2d& p = preview.lines[i].points.front();
-      cairo_move_to(cr, p.x() + 4.0 * fine, p.y() - 4.0 * fine);
-      cairo_show_text(cr, std::to_string(i + 1).c_str());
+      show_text(cr, p.x() + 4.0 * fine, p.y() - 4.0 * fine, std::to_string(i + 1));
     }
   };
   write_sheet(sheet, stem, preview.png_width);

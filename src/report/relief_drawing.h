@@ -12,9 +12,6 @@ inline constexpr Colour kContour{0.55, 0.50, 0.42}, kOutline{0.36, 0.33, 0.29};
 
 void draw_relief(cairo_t* cr, const Relief& relief);
 
-// Adds the line to the current Cairo path.
-void trace(cairo_t* cr, const std::vector<Eigen::Vector2d>& line);
-
 // Appends p unless it is nearer than `step` to the last point of the line.
 void extend(std::vector<Eigen::Vector2d>& line, const Eigen::Vector2d& p, double step, bool always);
 

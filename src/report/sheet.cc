@@ -8,7 +8,7 @@
 
 #include <cairo-svg.h>
 #include <fmt/format.h>
-#include <zlib.h>
+#include <png.h>
 
 #include "impedraw/files/durable_file.h"
 
@@ -25,12 +25,6 @@ struct Layout {
   Eigen::Vector2d origin;               // of the frame's upper left corner
   std::vector<Eigen::Vector2d> legend;  // where each entry begins (its text's baseline)
 };
-
-double text_width(cairo_t* cr, const std::string& text) {
-  cairo_text_extents_t extents;
-  cairo_text_extents(cr, text.c_str(), &extents);
-  return extents.x_advance;
-}
 
 Layout lay_out(const Sheet& sheet, cairo_t* cr) {
   Layout l;
@@ -53,11 +47,6 @@ Layout lay_out(const Sheet& sheet, cairo_t* cr) {
   return l;
 }
 
-void say(cairo_t* cr, double x, double y, const std::string& text, double align = 0.0) {
-  cairo_move_to(cr, x - align * text_width(cr, text), y);
-  cairo_show_text(cr, text.c_str());
-}
-
 void draw_axes(const Sheet& sheet, const Layout& l, cairo_t* cr) {
   const Eigen::Vector2d size = sheet.area.sizes(), low = sheet.area.min(), high = sheet.area.max();
   const double left = l.origin.x(), top = l.origin.y(), bottom = top + size.y(),
@@ -74,28 +63,24 @@ void draw_axes(const Sheet& sheet, const Layout& l, cairo_t* cr) {
   for (const double c : ticks(low.x(), high.x(), range)) {
     const double x = left + c - low.x();
     set_colour(cr, kFrame);
-    cairo_move_to(cr, x, bottom);
-    cairo_line_to(cr, x, bottom + tick);
-    cairo_stroke(cr);
+    stroke_line(cr, {{x, bottom}, {x, bottom + tick}});
     set_colour(cr, kFaint);
-    say(cr, x, bottom + 1.45 * l.font, label(sheet.u_sign * c), 0.5);
+    show_text(cr, x, bottom + 1.45 * l.font, label(sheet.u_sign * c), 0.5);
   }
   for (const double c : ticks(low.y(), high.y(), range)) {
     const double y = top + c - low.y();
     set_colour(cr, kFrame);
-    cairo_move_to(cr, left, y);
-    cairo_line_to(cr, left - tick, y);
-    cairo_stroke(cr);
+    stroke_line(cr, {{left, y}, {left - tick, y}});
     set_colour(cr, kFaint);
-    say(cr, left - 0.7 * l.font, y + 0.3 * l.font, label(sheet.v_sign * c), 1.0);
+    show_text(cr, left - 0.7 * l.font, y + 0.3 * l.font, label(sheet.v_sign * c), 1.0);
   }
   set_colour(cr, kText);
   set_font(cr, 0.92 * l.font);
-  say(cr, left + 0.5 * size.x(), bottom + 2.9 * l.font, sheet.u_name, 0.5);
+  show_text(cr, left + 0.5 * size.x(), bottom + 2.9 * l.font, sheet.u_name, 0.5);
   cairo_save(cr);
   cairo_translate(cr, 1.3 * l.font, top + 0.5 * size.y());
   cairo_rotate(cr, -0.5 * std::numbers::pi);
-  say(cr, 0.0, 0.0, sheet.v_name, 0.5);
+  show_text(cr, 0.0, 0.0, sheet.v_name, 0.5);
   cairo_restore(cr);
 }
 
@@ -104,11 +89,11 @@ void draw(const Sheet& sheet, const Layout& l, cairo_t* cr) {
   cairo_paint(cr);
   set_colour(cr, kText);
   set_font(cr, 1.25 * l.font, true);
-  say(cr, l.origin.x(), 1.8 * l.font, sheet.title);
+  show_text(cr, l.origin.x(), 1.8 * l.font, sheet.title);
   if (!sheet.subtitle.empty()) {
     set_colour(cr, kFaint);
     set_font(cr, 0.92 * l.font);
-    say(cr, l.origin.x(), 3.3 * l.font, sheet.subtitle);
+    show_text(cr, l.origin.x(), 3.3 * l.font, sheet.subtitle);
   }
   cairo_save(cr);
   cairo_rectangle(cr, l.origin.x(), l.origin.y(), sheet.area.sizes().x(), sheet.area.sizes().y());
@@ -123,11 +108,10 @@ void draw(const Sheet& sheet, const Layout& l, cairo_t* cr) {
     set_colour(cr, sheet.legend[k].colour);
     cairo_set_line_cap(cr, CAIRO_LINE_CAP_BUTT);
     cairo_set_line_width(cr, sheet.legend[k].width);
-    cairo_move_to(cr, at.x(), at.y() - 0.33 * l.font);
-    cairo_line_to(cr, at.x() + 2.2 * l.font, at.y() - 0.33 * l.font);
-    cairo_stroke(cr);
+    const double y = at.y() - 0.33 * l.font;
+    stroke_line(cr, {{at.x(), y}, {at.x() + 2.2 * l.font, y}});
     set_colour(cr, kText);
-    say(cr, at.x() + 2.8 * l.font, at.y(), sheet.legend[k].text);
+    show_text(cr, at.x() + 2.8 * l.font, at.y(), sheet.legend[k].text);
   }
 }
 
@@ -142,53 +126,34 @@ cairo_status_t append_to_string(void* to, const unsigned char* data, unsigned in
   return CAIRO_STATUS_SUCCESS;
 }
 
-void put_big_endian(std::string& out, std::uint32_t x) {
-  for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>((x >> shift) & 0xff);
-}
-
-void put_png_chunk(std::string& out, const std::string& name, const std::string& data) {
-  put_big_endian(out, static_cast<std::uint32_t>(data.size()));
-  const std::size_t begin = out.size();
-  out += name;
-  out += data;
-  put_big_endian(
-      out, static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(out.data() + begin),
-                                            static_cast<uInt>(out.size() - begin))));
-}
-
 // The image as PNG. Each row is told as what differs from the one above, and deflated lightly: a
 // fifth larger than by Cairo's writer, which tries all filters on each row, in half the time.
 std::string png_of(cairo_surface_t* image) {
-  constexpr char kAbove = 2;
-  const int width = cairo_image_surface_get_width(image),
-            height = cairo_image_surface_get_height(image);
   cairo_surface_flush(image);
+  const int height = cairo_image_surface_get_height(image);
   const unsigned char* const pixels = cairo_image_surface_get_data(image);
-  std::string rows;
-  rows.reserve(static_cast<std::size_t>(height) * (3 * static_cast<std::size_t>(width) + 1));
-  const std::vector<std::uint32_t> none(static_cast<std::size_t>(width));
-  const std::uint32_t* above = none.data();
-  for (int i = 0; i < height; ++i) {
-    const auto* const row = reinterpret_cast<const std::uint32_t*>(
-        pixels + static_cast<std::ptrdiff_t>(i) * cairo_image_surface_get_stride(image));
-    rows += kAbove;
-    for (int j = 0; j < width; ++j)
-      for (int shift = 16; shift >= 0; shift -= 8)
-        rows += static_cast<char>((row[j] >> shift) - (above[j] >> shift));
-    above = row;
-  }
-  uLongf size = compressBound(rows.size());
-  std::string packed(size, '\0');
-  compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
-            reinterpret_cast<const Bytef*>(rows.data()), rows.size(), 3);
-  packed.resize(size);
-  std::string head, out = "\x89PNG\r\n\x1a\n";
-  put_big_endian(head, static_cast<std::uint32_t>(width));
-  put_big_endian(head, static_cast<std::uint32_t>(height));
-  head += {8, 2, 0, 0, 0};  // bits, RGB, deflate, filters by row, not interlaced
-  put_png_chunk(out, "IHDR", head);
-  put_png_chunk(out, "IDAT", packed);
-  put_png_chunk(out, "IEND", {});
+  std::string out;
+  png_structp png = png_create_write_struct(
+      PNG_LIBPNG_VER_STRING, nullptr,
+      [](png_structp, png_const_charp what) { throw std::runtime_error(what); }, nullptr);
+  png_infop info = png_create_info_struct(png);
+  const auto append = [](png_structp to, png_bytep bytes, std::size_t count) {
+    append_to_string(png_get_io_ptr(to), bytes, static_cast<unsigned int>(count));
+  };
+  png_set_write_fn(png, &out, append, nullptr);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(cairo_image_surface_get_width(image)),
+               static_cast<png_uint_32>(height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
+  png_set_compression_level(png, 3);
+  png_write_info(png, info);
+  png_set_bgr(png);  // a pixel is blue, green, red and a byte without meaning
+  png_set_filler(png, 0, PNG_FILLER_AFTER);
+  for (int i = 0; i < height; ++i)
+    png_write_row(png,
+                  pixels + static_cast<std::ptrdiff_t>(i) * cairo_image_surface_get_stride(image));
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &info);
   return out;
 }
 
@@ -200,17 +165,28 @@ void set_font(cairo_t* cr, double size, bool bold) {
   cairo_set_font_size(cr, size);
 }
 
-double write_words(cairo_t* cr, double x, double y, const std::string& text, double size, bool bold,
-                   double align) {
-  set_font(cr, size, bold);
+double text_width(cairo_t* cr, const std::string& text) {
+  cairo_text_extents_t extents;
+  cairo_text_extents(cr, text.c_str(), &extents);
+  return extents.x_advance;
+}
+
+double show_text(cairo_t* cr, double x, double y, const std::string& text, double align) {
   const double width = text_width(cr, text);
   cairo_move_to(cr, x - align * width, y);
   cairo_show_text(cr, text.c_str());
   return width;
 }
 
+double write_words(cairo_t* cr, double x, double y, const std::string& text, double size, bool bold,
+                   double align) {
+  set_font(cr, size, bold);
+  return show_text(cr, x, y, text, align);
+}
+
 void paint_raster(cairo_t* cr, int rows, int columns, cairo_filter_t filter,
-                  const std::function<std::optional<Colour>(int row, int column)>& colour) {
+                  const std::function<std::optional<Colour>(int row, int column)>& colour,
+                  cairo_extend_t beyond) {
   cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, columns, rows);
   cairo_surface_flush(image);
   for (int i = 0; i < rows; ++i) {
@@ -227,8 +203,44 @@ void paint_raster(cairo_t* cr, int rows, int columns, cairo_filter_t filter,
   cairo_surface_mark_dirty(image);
   cairo_set_source_surface(cr, image, 0, 0);
   cairo_pattern_set_filter(cairo_get_source(cr), filter);
+  cairo_pattern_set_extend(cairo_get_source(cr), beyond);
   cairo_paint(cr);
   cairo_surface_destroy(image);
+}
+
+Colour colour_from(std::uint32_t rgb) {
+  const auto part = [&](int shift) { return static_cast<double>(rgb >> shift & 0xff) / 255.0; };
+  return {part(16), part(8), part(0)};
+}
+
+Colour between(const Colour& a, const Colour& b, double t) {
+  return {a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b)};
+}
+
+void round_lines(cairo_t* cr) {
+  cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
+  cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
+}
+
+void set_dash(cairo_t* cr, double on, double off) {
+  const double lengths[] = {on, off};
+  cairo_set_dash(cr, lengths, on > 0.0 ? 2 : 0, 0.0);
+}
+
+void trace(cairo_t* cr, const Line2d& line) {
+  if (line.empty()) return;
+  cairo_move_to(cr, line[0].x(), line[0].y());
+  for (const Eigen::Vector2d& p : line) cairo_line_to(cr, p.x(), p.y());
+}
+
+void stroke_line(cairo_t* cr, const Line2d& line) {
+  trace(cr, line);
+  cairo_stroke(cr);
+}
+
+void extend(Eigen::AlignedBox2d* box, const std::vector<Line2d>& lines) {
+  for (const Line2d& line : lines)
+    for (const Eigen::Vector2d& p : line) box->extend(p);
 }
 
 void set_colour(cairo_t* cr, const Colour& colour, double alpha) {

@@ -13,6 +13,8 @@
 
 #include <cairo.h>
 
+#include "impedraw/report/decimate.h"
+
 namespace impedraw {
 
 struct Colour {
@@ -47,17 +49,29 @@ void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d&
 // least 1) that divides `range` into at most eight. None where a number is not finite.
 std::vector<double> ticks(double low, double high, double range);
 
+Colour colour_from(std::uint32_t rgb);                       // 0xRRGGBB
+Colour between(const Colour& a, const Colour& b, double t);  // t: 0 … 1
 void set_colour(cairo_t* cr, const Colour& colour, double alpha = 1.0);
+void round_lines(cairo_t* cr);                                  // caps and joins
+void set_dash(cairo_t* cr, double on = 0.0, double off = 0.0);  // of 0: solid
+void trace(cairo_t* cr, const Line2d& line);                    // adds it to the path
+void stroke_line(cairo_t* cr, const Line2d& line);
+void extend(Eigen::AlignedBox2d* box, const std::vector<Line2d>& lines);
+double text_width(cairo_t* cr, const std::string& text);  // with the font that is set
+// Text that begins at x, or with align 1 ends there. Returns its width.
+double show_text(cairo_t* cr, double x, double y, const std::string& text, double align = 0.0);
 
 void set_font(cairo_t* cr, double size, bool bold = false);
 
-// One line of text that begins at x, or with align 1 ends there. Returns its width.
+// The same in a font of this size.
 double write_words(cairo_t* cr, double x, double y, const std::string& text, double size,
                    bool bold = false, double align = 0.0);
 
 // Paints rows × columns pixels, one user unit each, from the origin to the right and down.
-// `colour(row, column)` gives nothing where the pixel is transparent.
+// `colour(row, column)` gives nothing where the pixel is transparent. `beyond`: what is painted
+// outside.
 void paint_raster(cairo_t* cr, int rows, int columns, cairo_filter_t filter,
-                  const std::function<std::optional<Colour>(int row, int column)>& colour);
+                  const std::function<std::optional<Colour>(int row, int column)>& colour,
+                  cairo_extend_t beyond = CAIRO_EXTEND_NONE);
 
 }  // namespace impedraw
