@@ -115,9 +115,7 @@ InkDrawing prepare(const RunData& run, const InkMatch& drawn, const View& view,
 Colour colour_of(const PictureSettings& settings, int pen) {
   if (!settings.pens) return kInk;
   const auto colour = settings.pens->pens[static_cast<std::size_t>(pen)].colour;
-  if (!colour) return kInk;
-  const auto part = [&](int shift) { return static_cast<double>(*colour >> shift & 0xff) / 255.0; };
-  return {part(16), part(8), part(0)};
+  return colour ? colour_of(*colour) : kInk;
 }
 
 void draw_ink(cairo_t* cr, const InkDrawing& d, const PictureSettings& settings) {

@@ -14,11 +14,6 @@ constexpr Colour kHidden{0.80, 0.80, 0.80}, kAir{0.55, 0.70, 0.90}, kNumber{0.35
 constexpr std::size_t kMostNumbers = 60;
 constexpr double kSameWidth = 0.05;  // relative
 
-Colour colour_of(std::uint32_t colour) {
-  const auto part = [&](int shift) { return static_cast<double>(colour >> shift & 0xff) / 255.0; };
-  return {part(16), part(8), part(0)};
-}
-
 // The line in pieces of about one width.
 void draw_line(cairo_t* cr, const PreviewLine& line) {
   std::vector<Vector2d> piece{line.points.front()};

@@ -2,6 +2,7 @@
 // legend. Private to src/report.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -18,6 +19,12 @@ namespace impedraw {
 struct Colour {
   double r, g, b;
 };
+
+// Of 0xRRGGBB.
+inline Colour colour_of(std::uint32_t colour) {
+  const auto part = [&](int shift) { return static_cast<double>(colour >> shift & 0xff) / 255.0; };
+  return {part(16), part(8), part(0)};
+}
 
 struct LegendEntry {
   Colour colour;
