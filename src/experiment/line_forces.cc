@@ -90,7 +90,8 @@ void give_pace(const Scenario& s, PlacedArtwork* artwork) {
   if (changes > 0)
     artwork->notes.push_back(
         moves ? "on a canvas that moves one pen draws all layers: pens are not changed"
-              : fmt::format("pens are changed {} time{}, and a person lets the run go on each time",
+              : fmt::format("pens are changed {} time{}, and a person lets the run go on each "
+                            "time; the time for it is not planned",
                             changes, changes == 1 ? "" : "s"));
 }
 

@@ -70,8 +70,10 @@ PreviewPicture preview_of(const Scenario& s, const SettingErrors& setting_errors
     DrawingSettings all = s.drawing;
     all.visible = Visible::all;
     all.hatch.spacing_mm = 0.0;
-    for (const Stroke& stroke : make_artwork(all, setting_errors).drawn.strokes)
-      picture.whole.push_back(line_of(stroke, artwork.placement, s.pen.width));
+    for (const Stroke& stroke : make_artwork(all, setting_errors).drawn.strokes) {
+      const auto pen = std::min(static_cast<std::size_t>(stroke.layer), pens.size() - 1);
+      picture.whole.push_back(line_of(stroke, artwork.placement, pens[pen].line.width));
+    }
   }
   for (std::size_t k = 0; k < pens.size(); ++k)
     picture.pens.push_back(

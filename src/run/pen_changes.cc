@@ -50,7 +50,7 @@ PenChanges::PenChanges(const Experiment& e, std::vector<StrokePart> left, const 
       place_W_(e.scenario.pen.place.value_or(e.scenario.arm.start_p_WE)),
       checks_(e.scenario.pen.check && !e.scenario.drawing.dry_run),
       checks_first_(checks_ && !in.spot) {
-  // After a run that was ended early, gaps of earlier pens may be left: the pen that is in is first.
+  // After a run that was ended early, gaps of earlier pens may be left: what is in draws first.
   const auto by_it = [&](const StrokePart& part) {
     return pen_of_stroke(e, part.stroke) == in.number;
   };
@@ -72,7 +72,9 @@ PenChanges::PenChanges(const Experiment& e, std::vector<StrokePart> left, const 
       spot_ = e.artwork.X_WP * Pose{there->p_P, upright.toRotationMatrix()};
     }
   }
-  checks_ = checks_ && spot_ && (turns_.size() > 1 || e.scenario.pen.spot);
+  const bool changes =
+      std::ranges::any_of(turns_, [&](const Turn& turn) { return turn.pen != in.number; });
+  checks_ = checks_ && spot_ && (changes || e.scenario.pen.spot);
   checks_first_ = checks_first_ && checks_;
   for (Turn& turn : turns_) {
     if (&turn == &turns_.front() && turn.pen == in_.number && !checks_first_)
@@ -163,8 +165,9 @@ Move PenChanges::found(const Situation& now) {
   const double s = n.dot(*now.last.felt);
   if (in_.spot) {
     in_.longer += s - *in_.spot;
-    remarks_.push_back(fmt::format("the tip of {} is {:.2f} mm beyond that of arm.urdf",
-                                   name_of(in_.number), 1e3 * in_.longer));
+    remarks_.push_back(fmt::format("the tip of {} was found {:.2f} mm {} that of arm.urdf",
+                                   name_of(in_.number), 1e3 * std::abs(in_.longer),
+                                   in_.longer < 0.0 ? "short of" : "beyond"));
   } else {
     in_.spot = s;
   }

@@ -1,5 +1,5 @@
-// A drawing with several pens (`pens` of the scenario), one after the other. Each draws its strokes,
-// and once more what got no ink, before a person puts in the next one:
+// A drawing with several pens (`pens` of the scenario), one after the other. Each draws its
+// strokes, and once more what got no ink, before a person puts in the next one:
 //
 //   draw ─> up ─> pen.place ─> a person ─> rest, a new tare ─> pen.spot ─> pen.place ─> draw …
 //

@@ -129,11 +129,14 @@ TEST_F(PenChangesTest, ResumesWithThePenThatIsIn) {
   std::optional<Resumption> rest = read_resumption(e, log());
   ASSERT_TRUE(rest);
   rest->pen = in;
+  *rest->pen->spot -= 0.5e-3;  // the spot is where the earlier run felt it
   asked_.clear();
   const RunOutcome outcome = run(e, log(), 0.0, recording(), &*rest);
   EXPECT_EQ(outcome.end, RunEnd::finished) << outcome.cause;
   EXPECT_TRUE(outcome.lacking.empty());
   EXPECT_THAT(asked_, ElementsAre(HasSubstr("'a'"))) << "pen b is in, and is not asked for again";
+  EXPECT_EQ(held_.back().number, 0);
+  EXPECT_NEAR(held_.back().longer, 0.5e-3, 0.1e-3);
 }
 
 TEST_F(PenChangesTest, ACheckNeedsAWrench) {
