@@ -13,6 +13,7 @@
 #include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/experiment/picture_of_plan.h"
 #include "impedraw/experiment/plan_limits.h"
+#include "impedraw/experiment/preview_of.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/planning/wrap/distortion.h"
 #include "impedraw/report/distortion_picture.h"
@@ -53,6 +54,10 @@ int plan(const DrawOptions& options, bool as_json, bool suggest) {
         e.surface(), looks, [&line](double share) { line.update("drawing the picture", share); });
     const PlanPicture picture = picture_of_plan(e, told);
     write_plan(picture, folder / "plan");
+    const DrawnPens pens = e.plan.pens.value_or(DrawnPens{{DrawnPen{e.scenario.pen}}});
+    write_preview(preview_of(e.scenario, SettingErrors(places), e.artwork, pens.pens,
+                             sums_of(pens, e.plan.strokes, e.plan.path)),
+                  folder / "pens");
     page = page_of_plan(e, picture,
                         [&line](double share) { line.update("following the path", share); });
   }
@@ -65,6 +70,7 @@ int plan(const DrawOptions& options, bool as_json, bool suggest) {
   page.scenario = settings_yaml(e.scenario);
   page.numbers = json;
   page.pictures = {{"The plan, seen from above", shown_picture(folder / "plan")},
+                   {"Pens, order, and what is hidden", shown_picture(folder / "pens")},
                    {"Distortion of lengths", shown_picture(folder / "distortion")}};
   const PageContext context = page_context(e.scenario, e.artwork, "");
   write_whole(folder / "plan.html", page_html(page.title, {make_payload(page, context)}));

@@ -75,6 +75,13 @@ void ArmModel::set_rotor_inertia(const std::vector<double>& values) {
   description_ = std::make_shared<const Description>(std::move(d));
 }
 
+void ArmModel::lengthen_pen(double by) {
+  Description d = *description_;
+  pinocchio::SE3& X_JE = d.urdf.model.frames[d.tip].placement;
+  X_JE.translation() += by * X_JE.rotation().col(2);
+  description_ = std::make_shared<const Description>(std::move(d));
+}
+
 void ArmModel::expect_damping() {
   Description d = *description_;
   d.damped = true;

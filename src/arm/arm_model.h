@@ -58,6 +58,9 @@ class ArmModel {
   // zero. Throws InputError for another number of values, or one below 0 or not finite.
   void set_rotor_inertia(const std::vector<double>& values);
 
+  // Moves the frame E along its z, as a pen of another length does [m].
+  void lengthen_pen(double by);
+
   // From now on Cv includes b v, with the joints' damping b as the description has it (<dynamics>).
   // Not for an arm that compensates its friction itself. Dry friction is in no term.
   void expect_damping();

@@ -37,6 +37,9 @@ void describe(Fields& f, ModelErrors& s) {
           "Resolution of the joint torques; 0: continuous.");
   f.field(Limits::loop_delay, s.loop_delay, "Delay after which a commanded torque acts.");
   f.field(Limits::pen_longer, s.pen_longer, "Length of the true pen beyond the modelled one.");
+  f.field(Limits::pens_longer, s.pens_longer,
+          "The same of each of pens, in order, beyond its `longer`; beyond the list's end "
+          "pen_longer.");
 }
 
 void describe(Fields& f, WrenchSensorSettings& s) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -45,10 +46,26 @@ const LayerPenSettings* setting_of(const Scenario& s, const std::string& layer, 
   return found == s.pens.end() ? nullptr : &*found;
 }
 
-// Speed, waits and pauses, of the layers' names and their pens.
+// Entries that differ in force and speed alone are one pen; without more than these it is `pen`.
+int number_of(const Scenario& s, const LayerPenSettings* given) {
+  const auto body = [](LayerPenSettings pen) {
+    pen.layer.clear();
+    pen.force.reset();
+    pen.speed.reset();
+    return pen;
+  };
+  if (!given || body(*given) == LayerPenSettings()) return -1;
+  const auto same = std::ranges::find_if(
+      s.pens, [&](const LayerPenSettings& pen) { return body(pen) == body(*given); });
+  return static_cast<int>(same - s.pens.begin());
+}
+
+// Speed, waits, pauses and changes of pens, of the layers' names and their pens.
 void give_pace(const Scenario& s, PlacedArtwork* artwork) {
   const Artwork& drawn = artwork->shape.drawn;
   int last = 0;  // a layer; before the first one the pen is in anyhow
+  int number = -2, changes = 0;
+  const bool moves = s.perception.frames.enabled;
   std::string paused;
   for (std::size_t i = 0; i < drawn.strokes.size(); ++i) {
     const int layer = drawn.strokes[i].layer;
@@ -58,15 +75,24 @@ void give_pace(const Scenario& s, PlacedArtwork* artwork) {
     const double speed = marks.speed * (given && given->speed ? *given->speed : s.path.draw_speed);
     PlacedStroke& placed = artwork->strokes[i];
     if (speed != s.path.draw_speed) placed.speed = speed;
+    const int before = std::exchange(number, number_of(s, given));
+    const bool changed = i > 0 && number != before;
+    changes += changed;
     if (i > 0 && layer == last) continue;
     last = layer;
     placed.wait = marks.wait;
-    placed.pause = marks.pause;
-    if (marks.pause) paused += (paused.empty() ? "'" : ", '") + name + "'";
+    placed.pause = marks.pause && (!changed || moves);
+    if (placed.pause) paused += (paused.empty() ? "'" : ", '") + name + "'";
   }
   if (!paused.empty())
     artwork->notes.push_back("a pause before the layer " + paused +
-                             ": the live page goes on with it (--live); without one nothing waits");
+                             ": a person lets the run go on (Enter, the live page, SIGUSR1)");
+  if (changes > 0)
+    artwork->notes.push_back(
+        moves ? "on a canvas that moves one pen draws all layers: pens are not changed"
+              : fmt::format("pens are changed {} time{}, and a person lets the run go on each "
+                            "time; the time for it is not planned",
+                            changes, changes == 1 ? "" : "s"));
 }
 
 }  // namespace
@@ -94,6 +120,7 @@ std::vector<DrawnPen> layer_pens(const Scenario& s, const Artwork& artwork,
     for (const Stroke& stroke : artwork.strokes)
       if (stroke.layer == static_cast<int>(k) && !pen.colour) pen.colour = stroke.colour;
     const LayerPenSettings* const given = setting_of(s, artwork.layers[k], k);
+    pen.number = number_of(s, given);
     if (!given) continue;
     if (!given->colour.empty()) pen.colour = named_colour(given->colour);
     pen.line.width = given->width.value_or(s.pen.width);
@@ -106,6 +133,14 @@ std::vector<DrawnPen> layer_pens(const Scenario& s, const Artwork& artwork,
 void give_forces(const Scenario& s, const SettingErrors& setting_errors, PlacedArtwork* artwork) {
   const std::vector<DrawnPen> pens = layer_pens(s, artwork->shape.drawn, setting_errors);
   give_pace(s, artwork);
+  if (s.pen.check && s.control.source == WrenchSource::none)
+    setting_errors.raise({"pen.check", "control.wrench"},
+                         "pen.check needs a measured wrench, and control.wrench is none; valid are "
+                         "the other sources, or pen.check false");
+  if (s.pen.check && !s.pen.spot && !s.perception.enabled)
+    setting_errors.raise({"pen.check"},
+                         "pen.check: without perception nothing tells where the drawing begins; "
+                         "valid is pen.spot, a known place");
   if (s.pen.least_force > s.pen.most_force)
     setting_errors.raise({"pen.least_force", "pen.most_force"},
                          fmt::format("pen.least_force is {} N, above pen.most_force, {} N",

@@ -9,6 +9,7 @@
 
 #include "impedraw/experiment/plan_limits.h"
 #include "impedraw/experiment/plan_summary.h"
+#include "impedraw/experiment/preview_of.h"
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
@@ -83,8 +84,17 @@ PlanPicture picture_of_plan(const PlannedDrawing& e, const SurfaceHeight& surfac
           ? "all can be drawn"
           : fmt::format("{:.0f} mm cannot be drawn", 1e3 * length_not_drawable(e)));
   add_surface(e, &picture);
-  for (const PlacedStroke& stroke : e.plan.strokes)
-    picture.lines.push_back(plan_line(stroke, surface, 0.0, ""));
+  for (std::size_t i = 0; i < e.plan.strokes.size(); ++i) {
+    picture.lines.push_back(plan_line(e.plan.strokes[i], surface, 0.0, ""));
+    if (e.plan.pens) picture.lines.back().pen = e.plan.pens->number_of(static_cast<int>(i));
+  }
+  if (e.plan.pens && e.plan.pens->pens.size() > 1) {
+    const std::vector<PenSum> sums = sums_of(*e.plan.pens, e.plan.strokes, e.plan.path);
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      const DrawnPen& pen = e.plan.pens->pens[k];
+      picture.pens.push_back({pen_text(pen, sums[k]), pen.colour.value_or(0), pen.line.width});
+    }
+  }
   for (PlanLine& line : lines_of_findings(e, surface)) picture.lines.push_back(std::move(line));
   // The map of roughness: a dot for each point of the cloud.
   if (e.belief.perception) {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/finding_text.h"
 #include "impedraw/experiment/height_sources.h"
@@ -87,6 +88,7 @@ class Planning {
     note_roughness();
     note_spread_forces();
     plan_.pens = drawn_pens();
+    require_pen_places();
     return std::move(plan_);
   }
 
@@ -118,6 +120,7 @@ class Planning {
   void note_roughness();
   void note_spread_forces();
   std::optional<DrawnPens> drawn_pens() const;
+  void require_pen_places() const;
   bool may_move() const { return seen_ && s_.perception.frames.enabled; }
   void leave_to_run(std::vector<Finding>* findings);
   void check(const std::vector<StrokePart>& lost);
@@ -270,6 +273,18 @@ std::optional<DrawnPens> Planning::drawn_pens() const {
   for (const int number : of_artwork_)
     pens.of_stroke.push_back(drawn.strokes[static_cast<std::size_t>(number)].layer);
   return pens;
+}
+
+void Planning::require_pen_places() const {
+  ArmModel arm = belief_.arm;
+  const auto require = [&](const char* name, const std::optional<Eigen::Vector3d>& p) {
+    if (p && !find_posture(arm, {*p, -z_WP()}, belief_.start_q).reached)
+      setting_errors_.raise({name}, fmt::format("{} is [{}, {}, {}] m, where the arm cannot hold "
+                                                "the pen along the drawing axis",
+                                                name, p->x(), p->y(), p->z()));
+  };
+  require("pen.place", s_.pen.place);
+  require("pen.spot", s_.pen.spot);
 }
 
 // The planner's surface ends at creases, and at steps that the cameras do not resolve (normals.h).

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "impedraw/experiment/finding_text.h"
+#include "impedraw/experiment/preview_of.h"
 #include "impedraw/terminal/progress.h"
 
 namespace impedraw {
@@ -140,6 +141,11 @@ std::string plan_text(const PlannedDrawing& e) {
       "s\n",
       clock_text(e.plan.path.duration()), e.plan.path.duration(), tally.in(Phase::draw),
       tally.in(Phase::approach), tally.in(Phase::lift), tally.in(Phase::travel));
+  if (e.plan.pens) {
+    const std::vector<PenSum> sums = sums_of(*e.plan.pens, e.plan.strokes, e.plan.path);
+    for (std::size_t k = 0; k < sums.size(); ++k)
+      text += "  pen      " + ink_text(e.plan.pens->pens[k], sums[k]) + "\n";
+  }
   const PreflightMargins& m = e.plan.preflight.margins;
   if (!e.plan.strokes.empty())
     text += fmt::format(

@@ -339,8 +339,8 @@ void describe(Fields& f, PathSettings& s) {
           "straight lines do; at most a fortieth of the shorter line there.");
 }
 
-void describe(Fields& f, PenSettings& s) {
-  using Limits = PenSettings::Limits;
+void describe(Fields& f, GivenPen& s) {
+  using Limits = GivenPen::Limits;
   f.field(Limits::width, s.width, "Line width at the nominal force.");
   f.for_users();
   f.field(Limits::width_per_newton, s.width_per_newton,
@@ -350,6 +350,13 @@ void describe(Fields& f, PenSettings& s) {
           "Least force of lines whose width or force is given: by an SVG's stroke-width, where the "
           "width changes with the force, or by a stroke file's column.");
   f.field(Limits::most_force, s.most_force, "Their greatest force.");
+  f.field("check", s.check,
+          "After a change to another of pens, touches a known spot and finds the tip's length. "
+          "Needs a measured wrench.");
+  f.field(Limits::spot, s.spot,
+          "That spot, in the world; null: where the drawing begins, as the first pen feels it.");
+  f.field(Limits::place, s.place,
+          "Where the tip waits while a pen is changed, in the world; null: where the arm starts.");
 }
 
 void describe(Fields& f, LayerPenSettings& s) {
@@ -366,6 +373,10 @@ void describe(Fields& f, LayerPenSettings& s) {
           "Change of the line width with the force; null: that of pen.");
   f.field(Limits::nominal_force, s.nominal_force,
           "Force at which the line has its nominal width; null: that of pen.");
+  f.field(Limits::longer, s.longer,
+          "Its tip beyond that of arm.urdf, along the pen, as far as is known; null: 0.");
+  f.field(Limits::radius, s.radius,
+          "Radius of its tip; null: control.tip.radius, in the simulated world world.tip.radius.");
 }
 
 void describe(Fields& f, ToolSettings& s) {

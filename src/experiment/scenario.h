@@ -293,6 +293,18 @@ struct PushSettings {
   };
 };
 
+// The pen of `pen`, and how it is changed for one of `pens` (pen_changes.h).
+struct GivenPen : PenSettings {
+  bool check = false;                    // a pen that is put in touches `spot`, for its length
+  std::optional<Eigen::Vector3d> spot;   // W [m]; absent: where the drawing begins
+  std::optional<Eigen::Vector3d> place;  // where pens are changed, W [m]; absent: the arm's start
+
+  struct Limits : PenSettings::Limits {
+    static constexpr Limit spot = {"spot", "m", {-10.0, 10.0}};
+    static constexpr Limit place = {"place", "m", {-10.0, 10.0}};
+  };
+};
+
 // The pen of a layer. What is absent is that of `pen`, `control` and `path`, or of the artwork.
 struct LayerPenSettings {
   std::string layer;            // its number or name, as for --layer
@@ -300,8 +312,15 @@ struct LayerPenSettings {
   std::optional<double> force;  // of lines without a width of their own [N]
   std::optional<double> speed;  // [m/s]
   std::optional<double> width, width_per_newton, nominal_force;  // as in PenSettings
+  std::optional<double> longer;  // its tip beyond that of arm.urdf, along the pen [m]
+  std::optional<double> radius;  // of its tip; absent: control.tip.radius, world.tip.radius [m]
 
-  using Limits = PenSettings::Limits;
+  bool operator==(const LayerPenSettings&) const = default;
+
+  struct Limits : PenSettings::Limits {
+    static constexpr Limit longer = {"longer", "m", {-0.02, 0.02}};
+    static constexpr Limit radius = {"radius", "m", {1e-5, 0.05}};
+  };
 };
 
 struct Scenario {
@@ -318,7 +337,7 @@ struct Scenario {
   ControlSettings control;
   WorldSettings world;
   WrenchSensorSettings wrench_sensor;
-  PenSettings pen;
+  GivenPen pen;
   std::vector<LayerPenSettings> pens;
   ToolSettings tool;
   CoverSettings cover;

@@ -410,6 +410,7 @@ std::string LiveServer::address() const { return impl_->shared().access.address(
 void LiveServer::serve(std::string page) { impl_->serve(std::move(page)); }
 RowRing& LiveServer::rows() noexcept { return impl_->shared().ring; }
 void LiveServer::pause() noexcept { impl_->shared().paused = true; }
+void LiveServer::resume() noexcept { impl_->shared().paused = false; }
 bool LiveServer::paused() const noexcept { return impl_->shared().paused; }
 bool LiveServer::stopped() const noexcept { return impl_->shared().stopped; }
 bool LiveServer::emergency() const noexcept { return impl_->shared().emergency; }

@@ -55,7 +55,8 @@ class LiveServer {
   // For the loop's thread. None of these waits.
   RowRing& rows() noexcept;
   bool paused() const noexcept;
-  void pause() noexcept;                // as a person would on the page
+  void pause() noexcept;  // as a person would on the page
+  void resume() noexcept;
   bool stopped() const noexcept;        // once, for good
   bool emergency() const noexcept;      // the same
   float milliseconds() const noexcept;  // since construction, by the steady clock

@@ -148,14 +148,18 @@ RunHooks LiveView::hooks() {
     hooks.progress = [this](const RunProgress& progress) { feed_->share(progress.share); };
     hooks.interrupted = [this] { return server_->stopped(); };
     hooks.paused = [this] { return server_->paused(); };
-    hooks.pause = [this] { server_->pause(); };
+    hooks.pause = [this](const std::string&) { server_->pause(); };
     hooks.emergency = [this] { return server_->emergency(); };
   }
   if (!server_ && options_.pace <= 0.0) return hooks;
-  hooks.held = [this, begun = steady_clock::now(), first = -1.0](double time) mutable {
+  hooks.go_on = [this] {
+    if (server_) server_->resume();
+    first_ = -1.0;
+  };
+  hooks.held = [this, begun = steady_clock::now()](double time) mutable {
     const auto now = steady_clock::now();
-    if (first < 0.0) {
-      first = time;
+    if (first_ < 0.0) {
+      first_ = time;
       begun = now;
     }
     if (server_ && server_->paused()) {
@@ -164,7 +168,7 @@ RunHooks LiveView::hooks() {
       return true;
     }
     if (options_.pace <= 0.0 || (server_ && server_->emergency())) return false;
-    const std::chrono::duration<double> due((time - first) / options_.pace);
+    const std::chrono::duration<double> due((time - first_) / options_.pace);
     const auto left = begun + due - now;
     if (left.count() <= 0) return false;
     std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(left, kShortWait));

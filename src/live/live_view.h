@@ -47,6 +47,7 @@ class LiveView {
   LiveOptions options_;
   std::unique_ptr<LiveServer> server_;
   std::unique_ptr<Feed> feed_;
+  double first_ = -1.0;  // driver time from which the run is paced; < 0: from the next step on [s]
 };
 
 }  // namespace impedraw

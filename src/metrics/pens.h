@@ -16,6 +16,8 @@ struct DrawnPen {
   PenSettings line;
   std::string name = {};                     // of the layer; may be empty
   std::optional<std::uint32_t> colour = {};  // 0xRRGGBB; none: the pictures' own ink
+  // The pen that a person puts in, by its place in `pens`; -1: that of `pen`. Not in the log.
+  int number = -1;
 };
 
 struct DrawnPens {

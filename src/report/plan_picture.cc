@@ -25,7 +25,8 @@ void write_plan(const PlanPicture& plan, const std::filesystem::path& stem) {
   const auto view = [](const Eigen::Vector3d& p) -> Eigen::Vector3d {
     return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()};
   };
-  std::map<std::string, std::vector<std::vector<Eigen::Vector2d>>> of_problem;  // "" first
+  // By problem, "" first, and pen.
+  std::map<std::pair<std::string, int>, std::vector<std::vector<Eigen::Vector2d>>> groups;
   Eigen::AlignedBox2d box;
   for (const PlanLine& line : plan.lines) {
     std::vector<Eigen::Vector2d> thin;
@@ -34,9 +35,9 @@ void write_plan(const PlanPicture& plan, const std::filesystem::path& stem) {
       thin.push_back(thin.front() +
                      Eigen::Vector2d(0.01, 0.0));  // a dot, drawn by the round line cap
     for (const Eigen::Vector2d& p : thin) box.extend(p);
-    of_problem[line.problem].push_back(std::move(thin));
+    groups[{line.problem, line.problem.empty() ? line.pen : 0}].push_back(std::move(thin));
   }
-  for (auto& [problem, lines] : of_problem) decimate_to(lines, 0.02, 150000);
+  for (auto& [group, lines] : groups) decimate_to(lines, 0.02, 150000);
   const Relief relief = make_relief(plan.canvas_vertices, plan.canvas_triangles, view);
   if (relief.columns > 0) box.extend(relief.area);
   if (box.isEmpty()) box.extend(Eigen::Vector2d::Zero());
@@ -48,19 +49,26 @@ void write_plan(const PlanPicture& plan, const std::filesystem::path& stem) {
   sheet.u_name = "y of the drawing plane [mm]";
   sheet.v_name = "x of the drawing plane [mm]";
   sheet.u_sign = sheet.v_sign = -1.0;
-  std::map<std::string, Colour> colours;
+  std::vector<LegendEntry> looks;  // of the groups
   std::size_t next = 0;
-  for (const auto& [problem, lines] : of_problem) {
-    colours[problem] = problem.empty() ? kDrawable : kProblems[next++ % std::size(kProblems)];
-    sheet.legend.push_back({colours[problem], kWidth, problem.empty() ? "can be drawn" : problem});
+  for (const auto& [group, lines] : groups) {
+    const auto& [problem, pen] = group;
+    if (!problem.empty())
+      looks.push_back({kProblems[next++ % std::size(kProblems)], 1.6 * kWidth, problem});
+    else if (const auto k = static_cast<std::size_t>(pen); k < plan.pens.size())
+      looks.push_back({colour_from(plan.pens[k].colour), plan.pens[k].width, plan.pens[k].text});
+    else
+      looks.push_back({kDrawable, kWidth, "can be drawn"});
   }
+  sheet.legend = looks;
   if (!relief.contours.empty()) sheet.legend.push_back({kContour, 0.3, "height contours"});
   sheet.content = [&](cairo_t* cr) {
     draw_relief(cr, relief);
     round_lines(cr);
-    for (const auto& [problem, lines] : of_problem) {  // strokes that cannot be drawn lie on top
-      cairo_set_line_width(cr, problem.empty() ? kWidth : 1.6 * kWidth);
-      set_colour(cr, colours[problem]);
+    std::size_t i = 0;
+    for (const auto& [group, lines] : groups) {  // strokes that cannot be drawn lie on top
+      cairo_set_line_width(cr, looks[i].width);
+      set_colour(cr, looks[i++].colour);
       for (const auto& line : lines) trace(cr, line);
       cairo_stroke(cr);
     }

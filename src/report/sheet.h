@@ -2,6 +2,7 @@
 // legend. Private to src/report.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>

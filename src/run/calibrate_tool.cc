@@ -7,15 +7,16 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/minimum_jerk.h"
+#include "impedraw/run/posture_holder.h"
 
 namespace impedraw {
 
 namespace {
 
-constexpr double kMoveTime = 1.5;     // from pose to pose [s]
-constexpr double kStiffness = 150.0;  // of each joint [Nm/rad]
-constexpr double kTurn = 1.0;         // of each wrist joint from the start posture, at most [rad]
-constexpr double kAtRest = 0.05;      // joint speed [rad/s]
+constexpr double kMoveTime = 1.5;  // from pose to pose [s]
+constexpr double kDelay = 5e-3;    // the longest that the loop may have [s]
+constexpr double kTurn = 1.0;      // of each wrist joint from the start posture, at most [rad]
+constexpr double kAtRest = 0.05;   // joint speed [rad/s]
 
 // Orientations spread over the ball of wrist turns: a low-discrepancy sequence (Roberts' R3), so
 // that any number of poses is well placed.
@@ -26,50 +27,25 @@ Eigen::Vector3d wrist_turn(int i) {
   return kTurn * x;
 }
 
-// Holds the arm by joint stiffness, and averages what the sensor reads.
-class Mover {
- public:
-  Mover(const ArmModel& arm, Driver& driver)
-      : arm_(arm),
-        driver_(driver),
-        dt_(driver.info().period),
-        terms_(arm.joints()),
-        state_(&driver.read()) {}
-
-  // From rest to rest, then still for `rest` seconds; the mean reading over the last half of them.
-  Vector6 move(const JointVector& from, const JointVector& to, double rest) {
-    Vector6 sum = Vector6::Zero();
-    int count = 0;
-    const long moving = std::lround(kMoveTime / dt_), steps = moving + std::lround(rest / dt_),
-               averaging = steps - std::lround(0.5 * rest / dt_);
-    for (long k = 0; k < steps; ++k) {
-      const MinimumJerk jerk =
-          MinimumJerk::at(std::min(1.0, static_cast<double>(k) / moving), kMoveTime);
-      const JointVector q_d = from + jerk.share * (to - from);
-      const JointVector v_d = jerk.rate * (to - from);
-      arm_.compute(state_->q, state_->v, &terms_);
-      const JointVector damping = 1.4 * (kStiffness * terms_.M.diagonal()).cwiseSqrt();
-      const JointVector tau =
-          terms_.g + kStiffness * (q_d - state_->q) + damping.cwiseProduct(v_d - state_->v);
-      if (k >= averaging) {
-        sum += state_->wrench;
-        ++count;
-      }
-      driver_.command(tau, terms_.g);
-      state_ = &driver_.read();
-      if (!driver_.fault().empty()) throw std::runtime_error(driver_.fault());
+// From rest to rest, then still for `rest` seconds; the mean reading over the last half of them.
+Vector6 move(PostureHolder& holder, double dt, const JointVector& from, const JointVector& to,
+             double rest) {
+  Vector6 sum = Vector6::Zero();
+  int count = 0;
+  const long moving = std::lround(kMoveTime / dt), steps = moving + std::lround(rest / dt),
+             averaging = steps - std::lround(0.5 * rest / dt);
+  for (long k = 0; k < steps; ++k) {
+    const MinimumJerk jerk =
+        MinimumJerk::at(std::min(1.0, static_cast<double>(k) / moving), kMoveTime);
+    const JointVector way = to - from;
+    if (k >= averaging) {
+      sum += holder.state().wrench;
+      ++count;
     }
-    return sum / count;
+    holder.step(from + jerk.share * way, jerk.rate * way, JointVector::Zero(way.size()));
   }
-  const ArmState& state() const { return *state_; }
-
- private:
-  ArmModel arm_;
-  Driver& driver_;
-  double dt_;
-  ArmTerms terms_;
-  const ArmState* state_;
-};
+  return sum / count;
+}
 
 JointVector within_range(const JointVector& q, const ArmLimits& limits) {
   const JointVector margin = JointVector::Constant(q.size(), 0.1);
@@ -87,7 +63,7 @@ ToolCalibration calibrate_tool(const Experiment& e, Driver& driver, int poses, d
     throw InputError(fmt::format("arm.urdf: {} joints cannot turn the tool; at least 3 are needed",
                                  arm.joints()));
   const StartedDriver started(driver);
-  Mover mover(arm, driver);
+  PostureHolder holder(arm, driver, kDelay);
 
   ToolCalibration calibration;
   JointVector from = e.belief.start_q;
@@ -95,11 +71,11 @@ ToolCalibration calibrate_tool(const Experiment& e, Driver& driver, int poses, d
     JointVector to = e.belief.start_q;
     to.tail<3>() += wrist_turn(i);
     to = within_range(to, arm.limits());
-    const Vector6 reading = mover.move(from, to, rest);
-    if (mover.state().v.cwiseAbs().maxCoeff() > kAtRest)
+    const Vector6 reading = move(holder, driver.info().period, from, to, rest);
+    if (holder.state().v.cwiseAbs().maxCoeff() > kAtRest)
       throw std::runtime_error(fmt::format(
           "pose {} of {}: the arm did not come to rest within {:.1f} s", i + 1, poses, rest));
-    calibration.poses.push_back({arm.tip_pose(mover.state().q).R, reading});
+    calibration.poses.push_back({arm.tip_pose(holder.state().q).R, reading});
     from = to;
   }
   calibration.found = identify_tool(calibration.poses, {0.0, 0.0, -e.scenario.world.gravity});

@@ -61,6 +61,15 @@ class ControlLoop {
   const JointStateEstimator* joint_estimator() const {
     return joint_estimator_ ? &*joint_estimator_ : nullptr;
   }
+  // From the next step on the tip is so much farther along its z [m], and of that radius [m]. A
+  // pen that is `new_one` weighs something else: the sensor is tared again, at the next rest.
+  void change_pen(double longer_by, double radius, bool new_one) {
+    arm_.lengthen_pen(longer_by);
+    controller_.set_tip_radius(radius);
+    if (!estimator_) return;
+    estimator_->lengthen_pen(longer_by);
+    if (new_one) estimator_->start_tare();
+  }
   // True once the sensor's bias is known, or if there is no sensor.
   bool tared() const noexcept { return !estimator_ || estimator_->tared(); }
 

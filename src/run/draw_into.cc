@@ -1,15 +1,18 @@
 #include "impedraw/run/draw_into.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <optional>
+#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
+#include "impedraw/common/input_file.h"
 #include "impedraw/experiment/picture_of_plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/files/durable_file.h"
@@ -20,6 +23,7 @@
 #include "impedraw/run/run_folder.h"
 #include "impedraw/run/run_inputs.h"
 #include "impedraw/terminal/clock.h"
+#include "impedraw/terminal/go_ahead.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/progress.h"
 #include "impedraw/terminal/say.h"
@@ -66,9 +70,32 @@ void write_strokes(const fs::path& folder, const Experiment& e, const RunOutcome
     json["unreached"] = parts_json(e, unreached);
     for (std::size_t i = 0; i < unreached.size(); ++i)
       json["unreached"][i]["text"] = outcome.unreached[i].text;
-    json["remarks"] = outcome.remarks;
   }
+  if (e.scenario.perception.frames.enabled || !outcome.remarks.empty())
+    json["remarks"] = outcome.remarks;
   write_whole(folder / "strokes.json", json.dump(2) + "\n");
+}
+
+// pen.json: the pen that the arm holds, for a run that goes on there.
+constexpr const char* kPenFile = "pen.json";
+
+void write_pen(const fs::path& file, const HeldPen& pen) {
+  nlohmann::ordered_json json = {
+      {"number", pen.number}, {"longer_m", pen.longer}, {"radius_m", pen.radius}};
+  if (pen.spot) json["spot_m"] = *pen.spot;
+  write_whole(file, json.dump(2) + "\n");
+}
+
+HeldPen read_pen(const fs::path& file, std::size_t pens) try {
+  const auto json = nlohmann::json::parse(InputFile(file).read(4096));
+  HeldPen pen{json.at("number"), json.at("longer_m"), json.at("radius_m"), {}};
+  if (json.contains("spot_m")) pen.spot = json["spot_m"].get<double>();
+  if (pen.number < -1 || pen.number >= static_cast<int>(pens))
+    throw InputError(
+        fmt::format("{}: names a pen {}, of {} in `pens`", file.string(), pen.number, pens));
+  return pen;
+} catch (const nlohmann::json::exception& error) {
+  throw InputError(fmt::format("{}: is damaged: {}", file.string(), error.what()));
 }
 
 double total_mm(const std::vector<StrokePart>& parts) {
@@ -84,6 +111,17 @@ std::optional<Resumption> resumption_in(const fs::path& folder, const Experiment
   if (fs::exists(log)) {
     recover_log(log);
     std::optional<Resumption> resumption = read_resumption(experiment, log);
+    if (resumption && fs::exists(folder / kPenFile)) {
+      resumption->pen = read_pen(folder / kPenFile, experiment.scenario.pens.size());
+      const HeldPen& pen = *resumption->pen;
+      say(stderr, "note: the arm holds the pen of {}{}\n",
+          pen.number < 0
+              ? "`pen`"
+              : fmt::format("layer '{}'",
+                            experiment.scenario.pens[static_cast<std::size_t>(pen.number)].layer),
+          pen.longer != 0.0 ? fmt::format(", {:.2f} mm beyond that of arm.urdf", 1e3 * pen.longer)
+                            : "");
+    }
     if (resumption) return resumption;
   }
   say(stderr, "note: nothing has been drawn in {} yet; the run starts from the beginning\n",
@@ -162,17 +200,39 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
     hooks.emergency = [&] {
       return interrupt.emergency() || (watch.emergency && watch.emergency());
     };
-    if (watch.held)
-      hooks.held = [&](double time) {
-        return !interrupt.requested() && !interrupt.emergency() && watch.held(time);
-      };
-    if (watch.paused) hooks.paused = [&] { return !interrupt.requested() && watch.paused(); };
-    hooks.pause = watch.pause;
+    GoAhead go_ahead;
+    const bool simulated = experiment.scenario.arm.driver == ArmDriver::sim;
+    // True while a person was asked, and has answered neither here nor on the live page.
+    const auto awaited = [&] {
+      if (!go_ahead.asked()) return false;
+      if (watch.paused && !watch.paused()) go_ahead.withdraw();
+      if (go_ahead.given() && watch.go_on) watch.go_on();
+      return go_ahead.asked();
+    };
+    hooks.held = [&](double time) {
+      if (interrupt.requested() || interrupt.emergency()) return false;
+      if (!awaited()) return watch.held && watch.held(time);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      return true;
+    };
+    hooks.paused = [&] {
+      return !interrupt.requested() && (awaited() || (watch.paused && watch.paused()));
+    };
+    hooks.pause = [&](const std::string& asks) {
+      line.wipe();
+      if (watch.pause) watch.pause(asks);
+      if (simulated && !watch.pause && !go_ahead.terminal())
+        say(stderr,
+            "note: {}: nobody is at the terminal, and the simulated run goes on by itself\n", asks);
+      else
+        go_ahead.ask(asks);
+    };
+    hooks.holds_pen = [&](const HeldPen& pen) { write_pen(folder / kPenFile, pen); };
     // An arm that cannot be started leaves the results of an earlier run.
     hooks.begun = [&] {
-      for (const char* stale :
-           {"metrics.json", "report.html", "ink_top.svg", "ink_top.png", "ink_page.svg",
-            "ink_page.png", "strokes.json", "incident.html", kCoverFile, "cover.svg", "cover.png"})
+      for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
+                                "ink_page.svg", "ink_page.png", "strokes.json", "incident.html",
+                                kPenFile, kCoverFile, "cover.svg", "cover.png"})
         if (is_own_file(folder / stale)) fs::remove(folder / stale);
       if (!resumption) write_inputs(folder, experiment.scenario, experiment.inputs);
       if (watch.begun) watch.begun();

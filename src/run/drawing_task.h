@@ -15,6 +15,7 @@
 #include "impedraw/perception/canvas_forecast.h"
 #include "impedraw/planning/path/tip_path.h"
 #include "impedraw/run/carried_plan.h"
+#include "impedraw/run/held_pen.h"
 #include "impedraw/run/ink_watch.h"
 #include "impedraw/run/touch_search.h"
 
@@ -22,10 +23,11 @@ namespace impedraw {
 
 // The end of the last path.
 struct PathEnd {
-  std::optional<StrokePart> blocked;  // it was given up before this place
-  bool left_reach = false;            // the canvas took the pen where the arm cannot follow
-  bool lost_canvas = false;           // no camera knew where the canvas was
-  std::size_t strokes_followed = 0;   // the plan went along so many to their ends
+  std::optional<StrokePart> blocked;    // it was given up before this place
+  bool left_reach = false;              // the canvas took the pen where the arm cannot follow
+  bool lost_canvas = false;             // no camera knew where the canvas was
+  std::size_t strokes_followed = 0;     // the plan went along so many to their ends
+  std::optional<Eigen::Vector3d> felt;  // Kind::feel: where the tip pressed, in W [m]
 };
 
 // The situation in which a task decides.
@@ -51,8 +53,10 @@ struct Move {
   enum class Kind {
     draw,   // follow `path`
     lift,   // go up, clear of the canvas, and rest in W
-    go_to,  // from rest to rest in W, to place_W until `until`; the pen stays as it is turned
+    go_to,  // from rest to rest in W, to place_W until `until`; the pen turns to normal_W, if given
     wait,   // rest in W until `until`
+    ask,    // the same, and until a person who was told `asks` lets the run go on
+    feel,   // down along the pen until something presses, by `depth` at most; then rest in W
     end,    // the drawing is complete, or ends for `cause`
   } kind = Kind::end;
   TipPath path;                        // in K
@@ -66,7 +70,11 @@ struct Move {
   double until = 0.0;                                 // [s]
   const char* waits_for = nullptr;                    // for people
   Eigen::Vector3d place_W = Eigen::Vector3d::Zero();  // [m]
-  std::string cause;                                  // empty: finished
+  std::optional<Eigen::Vector3d> normal_W;
+  std::optional<HeldPen> pen;  // the arm holds it from here on
+  std::string asks;
+  double depth = 0.0;  // [m]
+  std::string cause;   // empty: finished
 };
 
 // Record of a drawing, for the run's outcome.

@@ -131,6 +131,16 @@ Cycle DrivenArm::step(const PathSample& desired, const Law& law, double time_sca
   return cycle;
 }
 
+void DrivenArm::hold_pen(const HeldPen& pen) {
+  const bool new_one = pen.number != pen_.number;
+  const double longer_by = pen.longer - pen_.longer;
+  arm_.lengthen_pen(longer_by);
+  loop_.change_pen(longer_by, pen.radius, new_one);
+  if (new_one) driver_.put_in(pen.number);
+  pen_ = pen;
+  if (hooks_.holds_pen) hooks_.holds_pen(pen);
+}
+
 // What the canvas's motion is felt by.
 PenTouch DrivenArm::touch(const Cycle& cycle) const {
   const bool touches =

@@ -11,6 +11,7 @@
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/cycle.h"
 #include "impedraw/run/damped_end.h"
+#include "impedraw/run/held_pen.h"
 #include "impedraw/run/incident.h"
 #include "impedraw/run/ink_watch.h"
 #include "impedraw/run/real_time.h"
@@ -41,6 +42,9 @@ class DrivenArm {
   // Runs and logs one control cycle, and reads the next state. time_scale: the plan clock's rate.
   // `desired` must outlive the result.
   Cycle step(const PathSample& desired, const Law& law, double time_scale);
+  // Between two steps, at rest: the arm holds another pen, or one whose length was found.
+  void hold_pen(const HeldPen& pen);
+  const HeldPen& pen() const { return pen_; }
   // Sends the arm's weight as the last torque.
   void end_at_zero();
 
@@ -71,6 +75,7 @@ class DrivenArm {
   const Experiment& e_;
   Driver& driver_;
   mutable ArmModel arm_;  // its workspace
+  HeldPen pen_;
   const RunHooks& hooks_;
   bool waits_;                          // the driver, for the next command
   double first_time_;                   // where an earlier run left off [s]

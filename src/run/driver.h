@@ -132,6 +132,9 @@ class Driver {
 
   virtual const GroundTruth* truth() const noexcept { return nullptr; }
 
+  // A person has put in the pen of that number (held_pen.h): a simulator's own changes with it.
+  virtual void put_in(int /*number*/) noexcept {}
+
   // The true motion of a canvas that moves, at a time of this clock [s], to judge the controller
   // without a tracker (perception.canvas_pose). False: the canvas stands, or its motion is unknown.
   virtual bool true_canvas(double /*time*/, FrameMotion* /*motion*/) const noexcept {

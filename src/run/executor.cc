@@ -52,6 +52,10 @@ void Executor::carry_out(const Move& move) {
   last_ = {};
   reaction_.begin();
   const CanvasFollower& canvas = arm_.loop().canvas();
+  if (move.pen) {
+    rest_.p_WD -= (move.pen->longer - arm_.pen().longer) * rest_.n_WD;
+    arm_.hold_pen(*move.pen);
+  }
   switch (move.kind) {
     case Move::Kind::draw:
       if (canvas.follows() && !canvas.joined()) arm_.loop().join_canvas(rest_, move.join);
@@ -59,21 +63,14 @@ void Executor::carry_out(const Move& move) {
     case Move::Kind::lift:
       return lift();
     case Move::Kind::wait:
-      return move_in_world(move.until, move.waits_for, [this](double) { return rest_; });
-    case Move::Kind::go_to: {
-      const double begin = arm_.time(), duration = move.until - begin;
-      const Eigen::Vector3d from = rest_.p_WD, way = move.place_W - from;
-      move_in_world(move.until, nullptr, [&](double time) {
-        const MinimumJerk jerk = MinimumJerk::at((time - begin) / duration, duration);
-        TipReference on_way = rest_;
-        on_way.p_WD = from + jerk.share * way;
-        on_way.v_WD = jerk.rate * way;
-        on_way.a_WD = jerk.change * way;
-        return on_way;
-      });
-      rest_.p_WD = move.place_W;
-      return;
-    }
+      return rest_while([&] { return arm_.time() < move.until; }, move.waits_for);
+    case Move::Kind::ask:
+      if (hooks_.pause) hooks_.pause(move.asks);
+      return rest_while([&] { return arm_.time() <= move.until || paused(); }, "a person");
+    case Move::Kind::feel:
+      return feel(move.depth);
+    case Move::Kind::go_to:
+      return go_to(move);
     case Move::Kind::end:
       if (move.cause.empty()) return;
       if (canvas.joined()) lift();
@@ -95,7 +92,8 @@ void Executor::draw(const Move& move) {
     std::optional<PathSample> desired = path.sample(lift_.has_value(), holds);
     if (!desired) break;
     if (lift_) desired = in_air(lift_->at(arm_.time()), Phase::lift);
-    if (!lift_ && path.comes_to_pause() && hooks_.pause) hooks_.pause();
+    if (!lift_ && path.comes_to_pause() && hooks_.pause)
+      hooks_.pause("the drawing waits before a layer");
     const std::optional<Cycle> cycle = step(*desired);
     if (!cycle) break;
     if (!reaction_.cause().empty() && !last_.blocked)
@@ -103,15 +101,80 @@ void Executor::draw(const Move& move) {
     if (!lift_ && !follow_up(*cycle, move, &path)) break;
     if (i % kPollEvery == 0) poll(*cycle, path);
   }
+  if (!arm_.loop().canvas().follows()) {
+    const Pose X_WE = arm_.X_WE();
+    rest_ = TipReference();
+    rest_.p_WD = X_WE.p;
+    rest_.n_WD = -X_WE.R.col(2);
+  }
   rate_ = path.rate();
   last_.strokes_followed = path.strokes_followed();
   last_.lost_canvas = canvas_.let_go();
 }
 
-void Executor::move_in_world(double until, const char* waits_for,
+void Executor::go_to(const Move& move) {
+  const double begin = arm_.time(), duration = move.until - begin;
+  const TipReference from = rest_;
+  const Eigen::Vector3d way = move.place_W - from.p_WD;
+  const Eigen::AngleAxisd turn(
+      Eigen::Quaterniond::FromTwoVectors(from.n_WD, move.normal_W.value_or(from.n_WD)));
+  move_in_world([&] { return arm_.time() < move.until; }, nullptr,
+                [&](double time) {
+                  const MinimumJerk jerk =
+                      MinimumJerk::at(std::clamp((time - begin) / duration, 0.0, 1.0), duration);
+                  TipReference on_way = from;
+                  on_way.p_WD += jerk.share * way;
+                  on_way.v_WD = jerk.rate * way;
+                  on_way.a_WD = jerk.change * way;
+                  on_way.n_WD =
+                      Eigen::AngleAxisd(jerk.share * turn.angle(), turn.axis()) * from.n_WD;
+                  on_way.w_WD = jerk.rate * turn.angle() * turn.axis();
+                  on_way.alpha_WD = jerk.change * turn.angle() * turn.axis();
+                  return on_way;
+                });
+  if (!goes_on()) return;
+  rest_.p_WD = move.place_W;
+  rest_.n_WD = turn * from.n_WD;
+}
+
+// The force is held for a while once it is felt, and the tip's place is the mean over its end.
+void Executor::feel(double depth) {
+  constexpr double kSpeed = 5e-3;   // [m/s]
+  constexpr double kForce = 1.0;    // [N]
+  constexpr double kFilter = 0.02;  // of the force [s]
+  constexpr double kPress = 0.6;    // [s]
+  const double dt = e_.control.impedance.timing.dt;
+  const Eigen::Vector3d n = rest_.n_WD;
+  TipReference down = rest_;
+  double way = 0.0, force = 0.0, pressed = 0.0, count = 0.0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  move_in_world([&] { return pressed < kPress && way < depth; }, nullptr,
+                [&](double) {
+                  force += dt / (kFilter + dt) * (n.dot(arm_.loop().F_ext().head<3>()) - force);
+                  const bool presses = pressed > 0.0 || force >= kForce;
+                  if (presses) pressed += dt;
+                  if (pressed > 0.5 * kPress) {
+                    sum += arm_.X_WE().p;
+                    count += 1.0;
+                  }
+                  if (!presses) way += kSpeed * dt;
+                  down.p_WD = rest_.p_WD - way * n;
+                  down.v_WD = presses ? Eigen::Vector3d::Zero() : Eigen::Vector3d(-kSpeed * n);
+                  return down;
+                });
+  if (!goes_on()) return;
+  rest_.p_WD = down.p_WD;
+  if (pressed >= kPress) last_.felt = sum / count;
+}
+
+void Executor::rest_while(const std::function<bool()>& goes_on, const char* waits_for) {
+  move_in_world(goes_on, waits_for, [this](double) { return rest_; });
+}
+
+void Executor::move_in_world(const std::function<bool()>& goes_on, const char* waits_for,
                              const std::function<TipReference(double)>& motion) {
   const double begin = arm_.time();
-  while (reaction_.state() != Reaction::State::follow || arm_.time() < until) {
+  while (reaction_.state() != Reaction::State::follow || goes_on()) {
     if (lifted()) return end_lift();
     const double time = arm_.time();
     const PathSample desired =
@@ -133,7 +196,7 @@ void Executor::lift() {
     lift_.emplace(arm_.time(), X_WE, -X_WE.R.col(2));
   monitors_.tare().moves_first(lift_->duration());
   reaction_.take({Severity::lift, {}, RunEnd::finished});
-  move_in_world(arm_.time(), nullptr, {});
+  move_in_world([] { return false; }, nullptr, {});
 }
 
 std::optional<Cycle> Executor::step(const PathSample& desired) {

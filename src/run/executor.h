@@ -33,9 +33,12 @@ class Executor {
  private:
   void draw(const Move& move);
   void lift();
-  // Goes along motion(t) in W until then [s]. waits_for: what the pen waits for meanwhile, or null.
-  void move_in_world(double until, const char* waits_for,
+  void go_to(const Move& move);
+  void feel(double depth);
+  // Goes along motion(t) in W while goes_on(). waits_for: what the pen waits for, or null.
+  void move_in_world(const std::function<bool()>& goes_on, const char* waits_for,
                      const std::function<TipReference(double)>& motion);
+  void rest_while(const std::function<bool()>& goes_on, const char* waits_for);
 
   // One cycle, and the reaction to what the arm's monitors find. Nothing: the run is over.
   std::optional<Cycle> step(const PathSample& desired);

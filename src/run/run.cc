@@ -8,6 +8,7 @@
 #include "impedraw/run/executor.h"
 #include "impedraw/run/loop_sources.h"
 #include "impedraw/run/moving_drawing.h"
+#include "impedraw/run/pen_changes.h"
 #include "impedraw/run/remaining.h"
 #include "impedraw/run/standing_drawing.h"
 #include "impedraw/run/touched_drawing.h"
@@ -20,17 +21,34 @@ namespace {
 // A resumed drawing begins with what the earlier run left, from its last posture. Plans before the
 // arm is driven.
 std::unique_ptr<DrawingTask> drawing_of(const Experiment& e, const Driver& driver,
-                                        const Resumption* resumption) {
+                                        const Resumption* resumption, const HeldPen& pen) {
   if (follows_canvas(e, driver))
     return std::make_unique<MovingDrawing>(e, resumption ? resumption->time : 0.0);
   std::vector<StrokePart> left;
   if (resumption) left = remaining(e, resumption->ink);
+  if (needs_pens(e)) {
+    const auto make = [&e](std::vector<StrokePart> parts, const Eigen::Vector3d& p,
+                           const Eigen::Vector3d& n, double rest) -> std::unique_ptr<DrawingTask> {
+      if (e.belief.by_touch()) return std::make_unique<TouchedDrawing>(e, strokes_of(e, parts));
+      return std::make_unique<StandingDrawing>(e, path_without_misses(e, &parts, p, n, rest));
+    };
+    if (!resumption) left = rest_of(e.plan.strokes, {});
+    const JointVector& q = resumption ? resumption->q : e.belief.start_q;
+    return std::make_unique<PenChanges>(e, left, pen, ArmModel(e.belief.arm).tip_pose(q), make);
+  }
   if (e.belief.by_touch())
     return std::make_unique<TouchedDrawing>(e, resumption ? strokes_of(e, left) : e.plan.strokes);
   if (!resumption) return std::make_unique<StandingDrawing>(e, e.plan.path);
   const Pose X_WE = ArmModel(e.belief.arm).tip_pose(resumption->q);
   return std::make_unique<StandingDrawing>(
       e, path_without_misses(e, &left, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold));
+}
+
+// The pen that is in at first: the one that draws first, or drew last.
+HeldPen first_pen(const Experiment& e, const Resumption* resumption) {
+  if (resumption && resumption->pen) return *resumption->pen;
+  const bool drawn = resumption && !resumption->ink.parts().empty();
+  return pen_of(e, pen_of_stroke(e, drawn ? resumption->ink.parts().back().stroke : 0));
 }
 
 // Length that lacks ink, by the reason for which it was given up [m].
@@ -69,10 +87,12 @@ RunOutcome run(const Experiment& e, Driver& driver, const std::filesystem::path&
         "drawing.dry_run: the surface is found by touch, so that nothing tells its height; valid "
         "is null, or perception.enabled true");
   const auto before_log = Clock::now();
-  const std::unique_ptr<DrawingTask> drawing = drawing_of(e, driver, resumption);
+  const HeldPen pen = first_pen(e, resumption);
+  const std::unique_ptr<DrawingTask> drawing = drawing_of(e, driver, resumption, pen);
   DrivenArm arm(e, driver, log_file, hooks, resumption);
-  Executor executor(e, arm, hooks);
   if (hooks.begun) hooks.begun();
+  if (needs_pens(e) && !follows_canvas(e, driver)) arm.hold_pen(pen);
+  Executor executor(e, arm, hooks);
   RunOutcome outcome;
   outcome.wall.start_up = start_up + seconds_since(before_log);
 

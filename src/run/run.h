@@ -21,6 +21,7 @@
 #include "impedraw/metrics/ending.h"
 #include "impedraw/run/drawing_task.h"
 #include "impedraw/run/driver.h"
+#include "impedraw/run/held_pen.h"
 #include "impedraw/run/ink_watch.h"
 #include "impedraw/run/remaining.h"
 #include "impedraw/simulation/world_settings.h"
@@ -63,9 +64,13 @@ struct RunHooks {
   // The same for a driver on a wall clock, which cannot wait: while it is true, the plan's clock
   // stands, and the pen keeps its place and its push. Asked in each control step; must not wait.
   std::function<bool()> paused;
-  // Called where the drawing asks for a person, with the pen up: from here on `held` or `paused` is
-  // true until the person lets it go on. Empty: the run does not wait there.
-  std::function<void()> pause;
+  // Called where the drawing asks for a person, with the pen up, and what for: from here on `held`
+  // or `paused` is true until the person lets it go on. Empty: the run does not wait there.
+  std::function<void(const std::string& asks)> pause;
+  // Called when that person has answered elsewhere than where `pause` asked: lets the run go on.
+  std::function<void()> go_on;
+  // Called when the arm holds another pen, or the length of its pen was found, before it moves on.
+  std::function<void(const HeldPen&)> holds_pen;
   // Asked in each control step; must not wait. True: the motion is damped and the run ends where
   // the pen is, without lifting it.
   std::function<bool()> emergency;
@@ -104,10 +109,11 @@ struct RunOutcome : Ending, DrawingRecord, LoopRecord {
 
 // The state in which an earlier run left the log. The run continues from it.
 struct Resumption {
-  InkWatch ink;       // from the log's rows
-  JointVector q;      // last posture [rad]
-  Pose X_WK;          // canvas, as last estimated
-  double time = 0.0;  // first free time in the log [s]
+  InkWatch ink;                     // from the log's rows
+  JointVector q;                    // last posture [rad]
+  Pose X_WK;                        // canvas, as last estimated
+  double time = 0.0;                // first free time in the log [s]
+  std::optional<HeldPen> pen = {};  // absent: not known; that of the last ink
 };
 
 // Reads the state from a log; none if the log has no step. Throws InputError if the log cannot be

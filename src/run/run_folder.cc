@@ -94,10 +94,6 @@ void require_page_folder(const fs::path& folder) {
 
 void require_plan_folder(const fs::path& folder) { require_folder(folder, {"plan.json"}, "plan"); }
 
-void require_table_folder(const fs::path& folder, const std::string& csv) {
-  require_folder(folder, {csv.c_str()}, csv.c_str());
-}
-
 void require_space(const fs::path& folder, double bytes, double seconds) {
   std::error_code error;
   const fs::space_info space = fs::space(folder, error);

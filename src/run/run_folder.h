@@ -19,8 +19,6 @@ void require_comparison_folder(const std::filesystem::path& folder);
 // Checks that the folder holds a finished run.
 void require_page_folder(const std::filesystem::path& folder);
 void require_plan_folder(const std::filesystem::path& folder);
-// `csv`: the name of the file that marks a table's folder.
-void require_table_folder(const std::filesystem::path& folder, const std::string& csv);
 
 // Throws InputError unless the folder's disk has room for a run that is planned to take `seconds`
 // and needs `bytes`.

@@ -145,6 +145,20 @@ void SimulatedArm::look_for_faults() {
                          world_.touching_link(), first_time_ + now.time);
 }
 
+void SimulatedArm::put_in(int number) noexcept {
+  const ModelErrors& errors = scenario_.world.errors;
+  TipMaterial tip = scenario_.world.tip;
+  double longer = errors.pen_longer;
+  if (const auto i = static_cast<std::size_t>(number); number >= 0) {
+    const LayerPenSettings& pen = scenario_.pens[i];
+    if (i < errors.pens_longer.size()) longer = errors.pens_longer[i];
+    longer += pen.longer.value_or(0.0);
+    tip.radius = pen.radius.value_or(tip.radius);
+  }
+  world_.set_tip(tip);
+  world_.set_pen_longer(longer);
+}
+
 void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept {
   Eigen::Vector3d push = Eigen::Vector3d::Zero();
   const Eigen::Vector3d p_WE = truth_.X_WE.p;

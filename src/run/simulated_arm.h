@@ -36,6 +36,7 @@ class SimulatedArm : public Driver {
     return cameras_ && cameras_->next(world_.state().time, frame);
   }
   const GroundTruth* truth() const noexcept override { return &truth_; }
+  void put_in(int number) noexcept override;
   bool true_canvas(double time, FrameMotion* motion) const noexcept override;
 
  private:

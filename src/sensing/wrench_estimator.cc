@@ -84,6 +84,12 @@ void WrenchEstimator::start_tare() noexcept {
   tare_sum_.setZero();
 }
 
+void WrenchEstimator::lengthen_pen(double by) noexcept {
+  settings_.X_ES.p.z() -= by;
+  p_SE_ = settings_.X_ES.inverse().p;
+  known_ = 0;
+}
+
 double WrenchEstimator::group_delay() const {
   return settings_.sensor_delay +
          (settings_.filter_bandwidth > 0.0 ? 2.0 / settings_.filter_bandwidth : 0.0);

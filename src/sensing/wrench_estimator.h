@@ -60,6 +60,9 @@ class WrenchEstimator {
   // complete.
   void start_tare() noexcept;
 
+  // Moves the tip along its z, as a pen of another length does [m]. The motion is learned anew.
+  void lengthen_pen(double by) noexcept;
+
   const Vector6& F_ext() const { return F_ext_; }
   bool tared() const { return tared_; }            // a bias is available
   bool taring() const { return taring_; }          // a tare is in progress

@@ -199,6 +199,17 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   look_for_touching_links();
 }
 
+void World::set_pen_longer(double longer) noexcept {
+  mjModel* const m = mujoco_->model;
+  const double* const turned = m->body_quat + 4 * mujoco_->tip_body;
+  const Eigen::Quaterniond R(turned[0], turned[1], turned[2], turned[3]);
+  Eigen::Map<Eigen::Vector3d>(m->body_pos + 3 * mujoco_->tip_body) +=
+      (longer - settings_.errors.pen_longer) * (R * Eigen::Vector3d::UnitZ());
+  settings_.errors.pen_longer = longer;
+  tip_touches_.reset();
+  observe();
+}
+
 void World::look_for_touching_links() noexcept {
   mujoco_->link_contact->update(mujoco_->data,
                                 motion_.moves() ? canvas_state().X_WK.inverse() : Pose());

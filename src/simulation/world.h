@@ -75,6 +75,8 @@ class World {
   void move_canvas(const CanvasMotion& motion) { motion_ = motion; }
   // Of tip and canvas together, from the next step on: a canvas whose stiffness changes.
   void set_tip(const TipMaterial& tip) noexcept { settings_.tip = tip; }
+  // The true tip's offset along its z from its place in the URDF, as ModelErrors::pen_longer [m].
+  void set_pen_longer(double longer) noexcept;
   // How long it has moved at the world's time 0: where a run goes on [s].
   void canvas_moved_for(double time) { moved_for_ = time; }
   const CanvasMotion& canvas_motion() const { return motion_; }

@@ -194,6 +194,8 @@ struct ModelErrors {
   double loop_delay = 0.0;
   // offset of the true tip E along its z from its place in the URDF [m]
   double pen_longer = 0.0;
+  // The same of each of `pens`, in order, beyond what they say; beyond its end pen_longer [m]
+  std::vector<double> pens_longer;
 
   struct Limits {
     static constexpr Limit mass_scale = {"mass_scale", "", {0.1, 10.0}};
@@ -208,6 +210,7 @@ struct ModelErrors {
     static constexpr Limit torque_quantum = {"torque_quantum", "Nm", {0.0, 10.0}};
     static constexpr Limit loop_delay = {"loop_delay", "s", {0.0, 0.015}};
     static constexpr Limit pen_longer = {"pen_longer", "m", {-0.02, 0.02}};
+    static constexpr Limit pens_longer = {"pens_longer", "m", {-0.02, 0.02}};
   };
 };
 

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include "impedraw/drawing/order.h"
 #include "lines.h"
 
 namespace impedraw {
@@ -174,6 +175,26 @@ TEST(Svg, QuarterMillimetres) {
                 {{96 / 25.4, 0.2 * 96 / 25.4}, {2.5 * 96 / 25.4, 2}}, 1e-3);
   // A path's Q is a curve.
   EXPECT_NEAR(lines::length(only(stroked("<path d='M0 0 Q 5 0 10 0'/>"))), 10, 1e-3);
+}
+
+// As Fabric.js writes them. A browser passes over the declaration alone.
+TEST(Svg, ADeclarationWithoutAValueCostsNoOther) {
+  const Artwork a = on_mm_page(
+      "<path d='M0 0 H10' style='stroke-dasharray: ; fill:;stroke: rgb(0,0,255); fill: none'/>");
+  ASSERT_EQ(a.strokes.size(), 1u);
+  EXPECT_FALSE(a.strokes[0].edge);
+  EXPECT_EQ(a.strokes[0].colour, 0x0000ffu);
+}
+
+// The first stop is clear, and lies on the edge.
+TEST(Svg, AGradientsEdgeIsNotSeenWhereItIsClear) {
+  const Artwork a = on_mm_page(
+      "<linearGradient id='l' gradientUnits='userSpaceOnUse' x1='0' y1='0' x2='0' y2='50'>"
+      "<stop stop-color='red' stop-opacity='0'/><stop offset='1' stop-color='red'/>"
+      "</linearGradient><rect width='100' height='50' fill='url(#l)'/>");
+  for (const Stroke& stroke : a.strokes)
+    for (const Vector2d& p : stroke.points) EXPECT_GT(p.y(), 0.5);
+  EXPECT_GT(pen_down_length(a.strokes), 190);
 }
 
 TEST(Svg, ShapesWithoutAnAreaAreCounted) {

@@ -72,6 +72,7 @@ const std::map<std::string, Words> kCompanions = {
     {"arm.q_0", {"arm.q_0=[0]"}},
     {"arm.rotor_inertia", {"arm.rotor_inertia=[0]"}},
     {"world.errors.rotor_inertia", {"world.errors.rotor_inertia=[0]"}},
+    {"world.errors.pens_longer", {"world.errors.pens_longer=[0]"}},
     {"arm.joint_stiffness", {"arm.joint_stiffness=[1000]"}},
     {"world.joint_spring.stiffness",
      {"world.joint_spring.rotor_inertia=[1]", "world.joint_spring.stiffness=[1000]"}},

@@ -9,6 +9,7 @@
 namespace impedraw {
 namespace {
 
+using testing::Contains;
 using testing::DoubleNear;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -85,7 +86,8 @@ TEST_F(LineForces, LayersHavePensSpeedsWaitsAndPauses) {
   EXPECT_THAT(strokes[2].force, ElementsAre(DoubleNear(8.0, 1e-9), DoubleNear(8.0, 1e-9)));
   EXPECT_DOUBLE_EQ(strokes[0].speed, 0.02);
   EXPECT_DOUBLE_EQ(strokes[3].speed, 0.025);
-  EXPECT_TRUE(!strokes[0].pause && strokes[2].pause && !strokes[3].pause);
+  EXPECT_TRUE(!strokes[0].pause && !strokes[2].pause) << "the change of pens waits";
+  EXPECT_THAT(artwork.notes, Contains(HasSubstr("pens are changed 1 time,")));
   EXPECT_EQ(strokes[2].wait, 0.7);
   EXPECT_EQ(strokes[3].wait, 0.0);
   const std::vector<DrawnPen> pens =
@@ -94,6 +96,12 @@ TEST_F(LineForces, LayersHavePensSpeedsWaitsAndPauses) {
   EXPECT_EQ(pens[0].colour, 0x0000ffu);
   EXPECT_EQ(pens[1].colour, 0x102030u);
   EXPECT_EQ(pens[1].line.width, 0.9);
+  EXPECT_EQ(pens[0].number, -1) << "the pen of `pen`, at another speed";
+  EXPECT_EQ(pens[1].number, 0);
+  scenario_.pens[0] = scenario_.pens[1];
+  scenario_.pens[0].layer = "wide";
+  give_forces(scenario_, SettingErrors(places_), &artwork);
+  EXPECT_TRUE(!strokes[0].pause && strokes[2].pause && !strokes[3].pause) << "one pen";
   scenario_.pens[1].layer = "third";
   EXPECT_THROW(layer_pens(scenario_, artwork.shape.drawn, SettingErrors(places_)), InputError);
 }

@@ -133,11 +133,20 @@ fn fault_of(name: &str, value: &str) -> Option<String> {
     None
 }
 
-/// Converts lengths in quarter-millimetres (40Q, a CSS unit that usvg does not know) to
-/// millimetres. None: the document has none.
-pub fn without_q(text: &str, xml: &Document) -> Option<String> {
+/// Puts into usvg's words what it does not know: lengths in quarter-millimetres (40Q, a CSS unit),
+/// and declarations without a value, behind which it would read none. None: the document has none.
+pub fn in_known_words(text: &str, xml: &Document) -> Option<String> {
     let mut inserts = Vec::new();
     for attribute in xml.descendants().flat_map(|n| n.attributes()).filter(|a| a.namespace().is_none()) {
+        if attribute.name() == "style" {
+            let has_value = |part: &&str| part.split_once(':').is_none_or(|(_, value)| !value.trim().is_empty());
+            let kept = attribute.value().split(';').filter(has_value).collect::<Vec<_>>().join(";");
+            let within = attribute.range_value();
+            if kept != attribute.value() && text.get(within.clone()) == Some(attribute.value()) {
+                inserts.push((within, kept));
+            }
+            continue;
+        }
         let length = is_length(attribute.name()) || matches!(attribute.name(), "stroke-width" | "stroke-dashoffset" | "font-size");
         let value = attribute.value().trim();
         let Some(number) = value.strip_suffix(['Q', 'q']).filter(|_| length) else { continue };

@@ -147,7 +147,7 @@ impl Outlines {
         let mut outlines = Outlines::default();
         let given = dtd::completed(document::text_of(data)?, &mut outlines.warnings);
         let mut xml = document::parse(&given)?;
-        let changed = document::without_q(&given, &xml);
+        let changed = document::in_known_words(&given, &xml);
         let text = changed.as_deref().unwrap_or(&given);
         if changed.is_some() {
             xml = document::parse(text)?;
@@ -441,18 +441,17 @@ impl Outlines {
     fn add_clear_bands(&mut self, path: &Path, fill: &Fill, ts: Transform, layer: u32, clip: u32, hides_from: usize) {
         let unseen = |light: f32, opacity: f32| light > paints::LIGHT || opacity * fill.opacity().get() < 1.0 - paints::LIGHT;
         let Some((bands, to_shape)) = paints::bands(fill.paint(), path.data().bounds()) else { return };
-        let clear: Vec<_> = bands.into_iter().filter(|band| unseen(band.luminance, band.opacity)).collect();
-        if clear.is_empty() {
-            return;
+        let mut clear = PathBuilder::new(); // where two of them meet, an edge would lie inside neither
+        for band in bands.iter().filter(|band| unseen(band.luminance, band.opacity)) {
+            clear.push_path(&band.area);
         }
+        let Some(clear) = clear.finish() else { return };
         self.clips.push(SvgClip { parent: clip, mask: 0 });
         let shape = self.clips.len() as u32;
         let even_odd = (fill.rule() == FillRule::EvenOdd) as u8;
         self.put(path.data(), ts, SvgPath { shapes: shape, filled: 1, even_odd, value: 1.0, alpha: 1.0, ..SvgPath::default() });
-        for band in clear {
-            let area = SvgPath { layer, clip: shape, filled: 1, even_odd: 1, fill: 0xffffff, hides: 3, hides_from, ..SvgPath::default() };
-            self.put(&band.area, ts.pre_concat(to_shape), area);
-        }
+        let area = SvgPath { layer, clip: shape, filled: 1, even_odd: 1, fill: 0xffffff, hides: 3, hides_from, ..SvgPath::default() };
+        self.put(&clear, ts.pre_concat(to_shape), area);
     }
 
     fn add_path(&mut self, path: &Path, ts: Transform, given_layer: Option<&str>, clip: u32) {
