@@ -164,17 +164,17 @@ std::string png_of(cairo_surface_t* image) {
             height = cairo_image_surface_get_height(image);
   cairo_surface_flush(image);
   const unsigned char* const pixels = cairo_image_surface_get_data(image);
-  std::string rows;
-  rows.reserve(static_cast<std::size_t>(height) * (3 * static_cast<std::size_t>(width) + 1));
+  std::string rows(static_cast<std::size_t>(height) * (3 * static_cast<std::size_t>(width) + 1), 0);
+  char* to = rows.data();
   const std::vector<std::uint32_t> none(static_cast<std::size_t>(width));
   const std::uint32_t* above = none.data();
   for (int i = 0; i < height; ++i) {
     const auto* const row = reinterpret_cast<const std::uint32_t*>(
         pixels + static_cast<std::ptrdiff_t>(i) * cairo_image_surface_get_stride(image));
-    rows += kAbove;
+    *to++ = kAbove;
     for (int j = 0; j < width; ++j)
       for (int shift = 16; shift >= 0; shift -= 8)
-        rows += static_cast<char>((row[j] >> shift) - (above[j] >> shift));
+        *to++ = static_cast<char>((row[j] >> shift) - (above[j] >> shift));
     above = row;
   }
   uLongf size = compressBound(rows.size());
