@@ -52,8 +52,8 @@ Yardstick yardstick_of(const PlannedDrawing& e, const Truth& truth,
                        const PrepareProgress& progress) {
   TargetLine target = target_of(e, truth, progress);
   Promise promise = promise_of(e, truth, target);
-  return {std::move(target), truth.canvas->mesh(), truth.world->canvas_motion().moves(),
-          std::move(promise)};
+  return {std::move(target), truth.canvas->mesh(), truth.canvas,
+          truth.world->canvas_motion().moves(), std::move(promise)};
 }
 
 }  // namespace impedraw

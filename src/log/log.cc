@@ -367,7 +367,7 @@ struct RunLog::Writer {
 double log_bytes(const RunLogHeader& header, double seconds) {
   constexpr double kResults = 20e6;      // report, pictures, the log's canvas and cloud twice
   constexpr double kRowsOfSteps = 0.12;  // of a reduced log, drawn with many short strokes
-  constexpr double kCompressed = 0.7;    // of what the journal holds
+  constexpr double kCompressed = 0.85;   // of what the journal holds
   const auto sum = [](const std::vector<LogColumn>& columns) {
     double bytes = 0.0;
     for (const LogColumn& column : columns) bytes += static_cast<double>(column.row_bytes());

@@ -70,14 +70,21 @@ std::array<std::pair<const char*, double*>, 3> wall_attributes(WallTimes& wall) 
 // sign, exponent and leading digits.
 template <std::size_t size>
 void shuffle(const std::byte* in, std::byte* out, std::size_t values) {
-  constexpr std::size_t kAtOnce = 8;  // values, whose bytes of one rank are written as one word
+  // 16 values at once. Each round interleaves the first half of the bytes with the second.
+  using Bytes = unsigned char __attribute__((vector_size(16)));
   std::size_t i = 0;
-  for (; i + kAtOnce <= values; i += kAtOnce, in += kAtOnce * size)
-    for (std::size_t b = 0; b < size; ++b) {
-      std::array<std::byte, kAtOnce> rank;
-      for (std::size_t k = 0; k < kAtOnce; ++k) rank[k] = in[k * size + b];
-      std::memcpy(out + b * values + i, rank.data(), kAtOnce);
-    }
+  for (; i + 16 <= values; i += 16, in += 16 * size) {
+    std::array<Bytes, size> now, next;
+    std::memcpy(now.data(), in, 16 * size);
+    for (int round = 0; round < 4; ++round, now = next)
+      for (std::size_t b = 0; b < size / 2; ++b) {
+        next[2 * b] = __builtin_shufflevector(now[b], now[b + size / 2], 0, 16, 1, 17, 2, 18, 3, 19,
+                                              4, 20, 5, 21, 6, 22, 7, 23);
+        next[2 * b + 1] = __builtin_shufflevector(now[b], now[b + size / 2], 8, 24, 9, 25, 10, 26,
+                                                  11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+      }
+    for (std::size_t b = 0; b < size; ++b) std::memcpy(out + b * values + i, &now[b], 16);
+  }
   for (; i < values; ++i, in += size)
     for (std::size_t b = 0; b < size; ++b) out[b * values + i] = in[b];
 }
@@ -105,9 +112,9 @@ struct LogFile::Deflater {
 
 // About the last five bytes of a double are noise, on which deflate would spend nearly all its time
 // with little gain. Such planes go into deflate's stored blocks, which any reader understands; the
-// others are compressed. This takes a third of the time, and 5 % more room.
+// others are compressed. This takes a seventh of the time, and 30 % more room.
 std::size_t LogFile::deflate_planes(std::size_t values, std::size_t size) {
-  constexpr double kNoise = 6.5;  // [bits per byte]
+  constexpr double kNoise = 4.0;  // [bits per byte]
   z_stream& stream = deflater_->stream;
   deflateReset(&stream);
   stream.next_out = reinterpret_cast<Bytef*>(deflated_.data());

@@ -220,9 +220,10 @@ void angles(const RunData& run, Metrics& m) {
 // The canvas of the log, made where a metric needs it.
 class LoggedCanvas {
  public:
-  explicit LoggedCanvas(const RunData& run) : run_(run) {}
+  LoggedCanvas(const RunData& run, const Canvas* known) : run_(run), known_(known) {}
   // Throws InputError where the log holds none, or a faulty one.
   const Canvas& get() {
+    if (known_) return *known_;
     if (!canvas_) {
       if (run_.canvas_triangles.empty()) throw InputError("the log holds no canvas");
       canvas_.emplace(TriangleMesh{run_.canvas_vertices, run_.canvas_triangles});
@@ -232,6 +233,7 @@ class LoggedCanvas {
 
  private:
   const RunData& run_;
+  const Canvas* known_;
   std::optional<Canvas> canvas_;
 };
 
@@ -385,7 +387,7 @@ void step_time(const RunData& run, Metrics& m) {
 
 Metrics compute_metrics(const RunData& run) { return compute_metrics(run, match_ink(run)); }
 
-Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
+Metrics compute_metrics(const RunData& run, const InkMatch& drawn, const Canvas* canvas_of_log) {
   Metrics m;
   m.ending = read_ending(run.attributes);
   contact(run, drawn, m);
@@ -396,7 +398,7 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn) {
   force(run, drawn, m);
   angles(run, m);
   const std::optional<Promise> promise = read_promise(run.attributes);
-  LoggedCanvas canvas(run);
+  LoggedCanvas canvas(run, canvas_of_log);
   cloud(run, canvas, m);
   gentle_ink(run, drawn, promise, canvas, m);
   promised(run, promise, m);

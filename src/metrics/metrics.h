@@ -36,6 +36,8 @@
 
 namespace impedraw {
 
+class Canvas;
+
 // Below this share of its speed the plan stands still.
 inline constexpr float kStands = 0.2f;
 
@@ -89,7 +91,8 @@ struct MetricDefinition {
 const std::vector<MetricDefinition>& metric_definitions();
 
 Metrics compute_metrics(const RunData& run);
-Metrics compute_metrics(const RunData& run, const InkMatch& drawn);  // `drawn` = match_ink(run)
+// drawn: match_ink(run). canvas: that of the log, where the caller has it; null: it is made.
+Metrics compute_metrics(const RunData& run, const InkMatch& drawn, const Canvas* canvas = nullptr);
 
 nlohmann::ordered_json metrics_json(const Metrics& metrics);  // content of metrics.json
 std::string metrics_table(const Metrics& metrics);            // for the terminal

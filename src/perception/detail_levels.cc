@@ -27,6 +27,8 @@ constexpr double kStep = 1.6e-4, kAboveNoise = 5.0, kSameAtAnyScale = 0.6, kStep
 }  // namespace
 
 std::unique_ptr<const DetailLevels> DetailLevels::of(const CloudPatches& widest,
+                                                     const std::vector<LocalSurface>& fits,
+                                                     const std::vector<double>& reach2,
                                                      FinerClouds finer) {
   const NormalSettings& s = widest.settings();
   std::unique_ptr<DetailLevels> levels(new DetailLevels(widest));
@@ -41,31 +43,37 @@ std::unique_ptr<const DetailLevels> DetailLevels::of(const CloudPatches& widest,
     levels->finest_cubes_.insert(cube_of(p, kCube));
   const int fewest = std::max(kFewest, static_cast<int>(kFinestShare * s.k));
   if (fewest < s.k) levels->finer_.push_back({levels->finest_, fewest, {}});
-  levels->choose_levels();
+  levels->choose_levels(fits, reach2);
   return levels;
+}
+
+DetailLevels::Trial DetailLevels::trial_of(const LocalSurface& fit, int k, double radius2,
+                                           const NormalSettings& s) {
+  if (status_of(fit, s.max_one_sidedness) != SurfaceStatus::ok) return {};
+  // The fit takes degrees of freedom out of the residual; the weights leave about half of k.
+  const double freedom = s.fit == SurfaceFit::quadric ? 6.0 : 3.0;
+  const double residual = fit.residual * std::sqrt(0.5 * k / std::max(1.0, 0.5 * k - freedom));
+  return {true, residual, std::sqrt(radius2), 0.0, k};
 }
 
 DetailLevels::Trial DetailLevels::try_fit(const CloudPatches& patches, int k, const Vector3d& p) {
   const Patch patch = patches.nearest(p, k);
-  if (patch.n < k) return {};
-  const LocalSurface surface = patches.fit(p, patch);
-  const NormalSettings& s = patches.settings();
-  if (status_of(surface, s.max_one_sidedness) != SurfaceStatus::ok) return {};
-  // The fit takes degrees of freedom out of the residual; the weights leave about half of k.
-  const double freedom = s.fit == SurfaceFit::quadric ? 6.0 : 3.0;
-  const double residual = surface.residual * std::sqrt(0.5 * k / std::max(1.0, 0.5 * k - freedom));
-  Trial trial{true, residual, std::sqrt(patch.squared[k - 1]), 0.0, k};
+  Trial trial = trial_of(patches.fit(p, patch), k, patch.squared[k - 1], patches.settings());
+  if (!trial.ok) return {};
   for (int i = 0; i < k; ++i) trial.weight += patches.cloud().weight[patch.index[i]] / k;
   return trial;
 }
 
-void DetailLevels::choose_levels() {
+void DetailLevels::choose_levels(const std::vector<LocalSurface>& fits,
+                                 const std::vector<double>& reach2) {
   const int n = widest_.size();
   std::vector<float> best(n, 0.0f);
   std::vector<Residuals> residuals(n);
   rough_.assign(n, {});
   in_halves(n, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) best[i] = choose_level(i, &residuals[i]);
+    for (int i = begin; i < end; ++i)
+      best[i] = choose_level(
+          i, trial_of(fits[i], widest_.settings().k, reach2[i], widest_.settings()), &residuals[i]);
   });
   find_steps(residuals);
   spread(best);
@@ -133,14 +141,13 @@ void DetailLevels::find_steps(const std::vector<Residuals>& residuals) {
 }
 
 // Also fills rough_[i] and *residuals.
-float DetailLevels::choose_level(int i, Residuals* residuals) {
+float DetailLevels::choose_level(int i, const Trial& widest, Residuals* residuals) {
+  if (!widest.ok) return 0.0f;
+  *residuals = {widest.residual, widest.residual};
+  rough_[i] = {widest.residual, widest.radius, 0.0, 2.0 * widest.residual / widest.radius};
+  if (widest.residual < kGood / 2.0 * widest.radius) return 0.0f;
   const Vector3d& p = widest_.cloud().points[i];
-  std::vector<Trial> trials{try_fit(widest_, widest_.settings().k, p)};
-  if (!trials[0].ok) return 0.0f;
-  *residuals = {trials[0].residual, trials[0].residual};
-  rough_[i] = {trials[0].residual, trials[0].radius, 0.0,
-               2.0 * trials[0].residual / trials[0].radius};
-  if (trials[0].residual < kGood / 2.0 * trials[0].radius) return 0.0f;
+  std::vector<Trial> trials{try_fit(widest_, widest.k, p)};
   for (const Level& level : finer_) trials.push_back(try_fit(*level.patches, level.k, p));
   while (!trials.back().ok) trials.pop_back();
   const Trial& finest = trials.back();

@@ -20,8 +20,12 @@ namespace impedraw {
 
 class DetailLevels {
  public:
-  // Null where no finer cloud has more than k points. `widest` must outlive the levels.
-  static std::unique_ptr<const DetailLevels> of(const CloudPatches& widest, FinerClouds finer);
+  // Null where no finer cloud has more than k points. `widest` must outlive the levels. `fits` and
+  // `reach2`: its surfaces and Patch::reach2() at each of its points.
+  static std::unique_ptr<const DetailLevels> of(const CloudPatches& widest,
+                                                const std::vector<LocalSurface>& fits,
+                                                const std::vector<double>& reach2,
+                                                FinerClouds finer);
 
   // Blends the two levels' estimates next to that of p. `coarse`, the widest patches' estimate,
   // where those serve. `closest`: the point of the widest cloud nearest to p, or −1.
@@ -63,9 +67,10 @@ class DetailLevels {
   };
 
   explicit DetailLevels(const CloudPatches& widest) : widest_(widest) {}
+  static Trial trial_of(const LocalSurface& fit, int k, double radius2, const NormalSettings& s);
   static Trial try_fit(const CloudPatches& patches, int k, const Eigen::Vector3d& p);
-  void choose_levels();
-  float choose_level(int i, Residuals* residuals);
+  void choose_levels(const std::vector<LocalSurface>& fits, const std::vector<double>& reach2);
+  float choose_level(int i, const Trial& widest, Residuals* residuals);
   void spread(const std::vector<float>& best);
   void find_steps(const std::vector<Residuals>& residuals);
   double level_at(const Eigen::Vector3d& p, RecentSurface* recent = nullptr) const noexcept;

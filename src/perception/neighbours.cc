@@ -83,6 +83,19 @@ struct Nearest {
   void sort() {}
 };
 
+// Ends at the first point within the radius.
+struct Any {
+  using DistanceType = double;
+  using IndexType = int;
+  double limit2;
+  bool found = false;
+
+  bool addPoint(double, int) { return !(found = true); }
+  double worstDist() const { return limit2; }
+  bool full() const { return found; }
+  void sort() {}
+};
+
 struct Points {
   const std::vector<Vector3d>* points;
   std::size_t kdtree_get_point_count() const { return points->size(); }
@@ -129,6 +142,12 @@ int NeighbourTree::nearest(const Vector3d& p, int k, double max_radius, int* ind
   squared[k - 1] = max_radius * max_radius;
   tree_->kd.findNeighbors(found, p.data(), {});
   return found.n;
+}
+
+bool NeighbourTree::any_within(const Vector3d& p, double radius) const noexcept {
+  Any any{radius * radius};
+  tree_->kd.findNeighbors(any, p.data(), {});
+  return any.found;
 }
 
 int NeighbourTree::nearest_unordered(const Vector3d& p, int k, double max_radius,

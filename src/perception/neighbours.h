@@ -27,6 +27,8 @@ class NeighbourTree {
   int nearest(const Eigen::Vector3d& p, int k, double max_radius, int* index,
               double* squared) const noexcept;
 
+  // True if a point is nearer than the radius.
+  bool any_within(const Eigen::Vector3d& p, double radius) const noexcept;
   // The same points unordered, except that the last one is the furthest. Faster by a third to a
   // half, because nothing is sorted. reach2[i] is the squared distance of point i to its own k-th
   // neighbour. It serves as a guess of the query's reach. If the guess is too small, the query

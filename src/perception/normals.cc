@@ -22,7 +22,8 @@ SurfaceEstimator::SurfaceEstimator(PointCloud cloud, const NormalSettings& setti
                                    FinerClouds finer)
     : patches_(std::make_unique<CloudPatches>(std::move(cloud), settings)) {
   fit_every_point();
-  if (settings.mode == NormalMode::fresh) levels_ = DetailLevels::of(*patches_, std::move(finer));
+  if (settings.mode == NormalMode::fresh)
+    levels_ = DetailLevels::of(*patches_, known_, reach2_, std::move(finer));
 }
 SurfaceEstimator::~SurfaceEstimator() = default;
 SurfaceEstimator::SurfaceEstimator(SurfaceEstimator&&) noexcept = default;
@@ -40,9 +41,8 @@ void SurfaceEstimator::fit_every_point() {
       Patch patch = patches_->nearest(p, s.k);
       patch.closest = i;
       reach2_[i] = patch.reach2(s);
-      const LocalSurface surface = patches_->fit(p, patch);
-      known_[i] = {surface, p - surface.distance * surface.n};
-      if (status_of(surface, s.max_one_sidedness) == SurfaceStatus::ok) normals[i] = surface.n;
+      known_[i] = patches_->fit(p, patch);
+      if (status_of(known_[i], s.max_one_sidedness) == SurfaceStatus::ok) normals[i] = known_[i].n;
     }
   });
   patches_->set_normals(std::move(normals));
@@ -76,23 +76,25 @@ SurfaceEstimate SurfaceEstimator::interpolated(const Vector3d& p,
   if (near.n <= kInterpolated || !(near.squared[kInterpolated] > 0.0))
     return {.status = SurfaceStatus::too_few};
   double weight[kInterpolated];
+  Vector3d foot[kInterpolated];  // of each point on its surface: without its noise
   double sum = 0.0;
   double lost = 0.0;
   Vector3d n = Vector3d::Zero();
   Vector3d mean = Vector3d::Zero();
   for (int i = 0; i < kInterpolated; ++i) {
-    const Known& at = known_[near.index[i]];
+    const LocalSurface& at = known_[near.index[i]];
     const double fade = 1.0 - near.squared[i] / near.squared[kInterpolated];
-    const bool ok = status_of(at.surface, max_one_sidedness) == SurfaceStatus::ok;
+    const bool ok = status_of(at, max_one_sidedness) == SurfaceStatus::ok;
     weight[i] = ok ? fade * fade : 0.0;
     lost += fade * fade - weight[i];
     if (weight[i] == 0.0) continue;
     sum += weight[i];
-    n += weight[i] * (at.surface.n + at.surface.bend * (p - at.foot));
-    mean += weight[i] * (at.foot - p);
+    foot[i] = patches_->cloud().points[near.index[i]] - at.distance * at.n;
+    n += weight[i] * (at.n + at.bend * (p - foot[i]));
+    mean += weight[i] * (foot[i] - p);
   }
   if (!(sum > lost) || !(n.norm() > 0.5 * sum)) {
-    const SurfaceStatus nearest = status_of(known_[near.index[0]].surface, max_one_sidedness);
+    const SurfaceStatus nearest = status_of(known_[near.index[0]], max_one_sidedness);
     return {.status = nearest == SurfaceStatus::ok ? SurfaceStatus::too_few : nearest};
   }
   n.normalize();
@@ -101,9 +103,8 @@ SurfaceEstimate SurfaceEstimator::interpolated(const Vector3d& p,
   double spread = 0.0;
   for (int i = 0; i < kInterpolated; ++i) {
     if (weight[i] == 0.0) continue;
-    const Known& at = known_[near.index[i]];
-    const Vector3d from = p - at.foot;
-    distance += weight[i] * (at.surface.n + n).normalized().dot(from);
+    const Vector3d from = p - foot[i];
+    distance += weight[i] * (known_[near.index[i]].n + n).normalized().dot(from);
     spread += weight[i] * (from - n * n.dot(from)).squaredNorm();
   }
   const double offset = (mean - n * n.dot(mean)).norm();

@@ -118,17 +118,12 @@ class SurfaceEstimator {
 
  private:
   friend class PlanSurface;  // the same patches and levels with another edge test
-  // The surface fitted at a point of the cloud.
-  struct Known {
-    LocalSurface surface;
-    Eigen::Vector3d foot;  // projection of the point onto that surface [m]: removes its noise
-  };
   void fit_every_point();
   SurfaceEstimate interpolated(const Eigen::Vector3d& p, double max_one_sidedness) const noexcept;
 
   std::unique_ptr<CloudPatches> patches_;
   std::vector<double> reach2_;                  // Patch::reach2() at each point of the cloud
-  std::vector<Known> known_;                    // at each point of the cloud
+  std::vector<LocalSurface> known_;             // fitted at each point of the cloud
   std::unique_ptr<const DetailLevels> levels_;  // null: there are no finer clouds
 };
 

@@ -46,6 +46,9 @@ void OrganisedPoints::find(const DepthImage& image, const DepthCamera& camera,
   const double f = camera.focal_length(), sigma = settings_.sigma_at_1m;
   const auto least =
       static_cast<int>(std::ceil(settings_.least_share * static_cast<double>(window_.size())));
+  thread_local std::vector<double> inverse_depth;  // kept, so that another image allocates nothing
+  inverse_depth.resize(image.depth.size());
+  for (std::size_t k = 0; k < inverse_depth.size(); ++k) inverse_depth[k] = 1.0 / image.depth[k];
   for (int j = top; j + h < image.height; j += settings_.stride)
     for (int i = left; i + h < image.width; i += settings_.stride) {
       const double z_0 = image.at(i, j);
@@ -58,7 +61,8 @@ void OrganisedPoints::find(const DepthImage& image, const DepthCamera& camera,
       Vector6d right = Vector6d::Zero();
       int count = 0;
       const auto value = [&](const Pixel& pixel) {
-        return 1.0 / image.at(i + pixel.i, j + pixel.j) - base;
+        return inverse_depth[static_cast<std::size_t>(j + pixel.j) * image.width + i + pixel.i] -
+               base;
       };
       for (const Pixel& pixel : window_) {
         const double v = value(pixel);

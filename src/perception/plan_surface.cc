@@ -1,6 +1,7 @@
 #include "impedraw/perception/plan_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -136,7 +137,7 @@ void PlanSurface::find_holes() {
   // In the tangent plane at point i, but for cubes that were looked into.
   const auto look_about = [&](int i, CubeSet* looked, std::vector<Vector3d>* found) {
     const Vector3d& p = cloud().points[i];
-    LocalSurface surface = seen_->known_[i].surface;
+    LocalSurface surface = seen_->known_[i];
     if (over_two_sheets(surface, levels_)) {
       Patch patch = patches_.nearest(p, patches_.settings().k);
       patch.closest = i;
@@ -146,12 +147,18 @@ void PlanSurface::find_holes() {
     const Vector3d foot = p - surface.distance * surface.n;
     constexpr int kSteps = static_cast<int>(kHoleReach / kHoleStep);
     const Vector3d a = kHoleStep * surface.n.unitOrthogonal(), b = surface.n.cross(a);
+    std::array<std::pair<Vector3d, std::uint64_t>, (2 * kSteps + 1) * (2 * kSteps + 1)> places;
+    std::size_t n = 0;
     for (int u = -kSteps; u <= kSteps; ++u)
       for (int v = -kSteps; v <= kSteps; ++v) {
         if (u * u + v * v > kSteps * kSteps) continue;
         const Vector3d place = foot + u * a + v * b;
-        if (looked->insert(cube_of(place, kHoleStep)) && is_hole(place)) found->push_back(place);
+        places[n++] = {place, cube_of(place, kHoleStep)};
+        looked->prefetch(places[n - 1].second);
       }
+    for (std::size_t k = 0; k < n; ++k)
+      if (looked->insert(places[k].second) && is_hole(places[k].first))
+        found->push_back(places[k].first);
   };
   std::vector<Vector3d> more;
   in_halves(patches_.size(), [&](int begin, int end) {
@@ -168,10 +175,10 @@ void PlanSurface::find_holes() {
 bool PlanSurface::is_hole(const Vector3d& place) const noexcept {
   static_assert(1.7321 * DetailLevels::kCube < kHole);
   if (levels_->finest_in_cube(place)) return false;
+  const NeighbourTree& finest = levels_->finest();
+  if (finest.any_within(place, kHole)) return false;
   int index[kAround];
   double squared[kAround];
-  const NeighbourTree& finest = levels_->finest();
-  if (finest.nearest(place, 1, kHole, index, squared) == 1) return false;
   if (finest.nearest(place, kAround, patches_.settings().max_radius, index, squared) < kAround)
     return true;
   const double spacing = std::sqrt(spacing2(squared[kAround - 1], kAround));

@@ -5,6 +5,8 @@
 #include <limits>
 #include <map>
 
+#include "impedraw/canvas/half_edges.h"
+
 namespace impedraw {
 namespace {
 
@@ -94,8 +96,9 @@ std::vector<Relief::Line> contours_at(const Relief& r, double level) {
       const int di[] = {0, 0, 1, 1}, dj[] = {0, 1, 1, 0};  // corners in a ring
       long keys[4];
       Eigen::Vector2d points[4];
-      int crossings = 0;
-      for (int k = 0; k < 4; ++k) {
+      int crossings = 0, below = 0;
+      for (int k = 0; k < 4; ++k) below += r.height(i + di[k], j + dj[k]) < level;
+      for (int k = 0; k < 4 && below % 4 != 0; ++k) {
         const int i0 = i + di[k], j0 = j + dj[k], i1 = i + di[(k + 1) % 4],
                   j1 = j + dj[(k + 1) % 4];
         const double h0 = r.height(i0, j0) - level, h1 = r.height(i1, j1) - level;
@@ -178,17 +181,14 @@ Relief make_relief(const std::vector<Eigen::Vector3d>& vertices,
     for (Relief::Line& line : contours_at(r, level)) r.contours.push_back(std::move(line));
   }
 
-  std::map<std::pair<int, int>, int> sides;  // edge → triangles on it
-  for (const Eigen::Vector3i& t : triangles) {
-    for (int k = 0; k < 3; ++k) ++sides[std::minmax(t[k], t[(k + 1) % 3])];
-  }
   Chains all, bare;
-  for (const auto& [edge, count] : sides) {
-    if (count != 1) continue;
-    const Eigen::Vector3d &a = seen[edge.first], &b = seen[edge.second];
-    all.add(edge.first, a.head<2>(), edge.second, b.head<2>());
-    if (!is_hidden(r, 0.5 * (a + b))) bare.add(edge.first, a.head<2>(), edge.second, b.head<2>());
-  }
+  const std::vector<HalfEdge> edges = half_edges(triangles, static_cast<int>(seen.size()));
+  for_each_edge(edges, [&](const HalfEdge* edge, const HalfEdge* last) {
+    if (last - edge != 1) return;
+    const Eigen::Vector3d &a = seen[edge->low], &b = seen[edge->high];
+    all.add(edge->low, a.head<2>(), edge->high, b.head<2>());
+    if (!is_hidden(r, 0.5 * (a + b))) bare.add(edge->low, a.head<2>(), edge->high, b.head<2>());
+  });
   r.outline = all.lines();
   r.seen_outline = bare.lines();
   // Seen from above, the triangles of a sheet cover it once; those of a body, there and back.

@@ -269,7 +269,8 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
   if (!drawing.outcome.not_real_time.empty())
     say(stderr, "note: arm.real_time: {}\n", drawing.outcome.not_real_time);
   write_strokes(folder, experiment, drawing.outcome);
-  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork, check);
+  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork, check,
+                                  experiment.yardstick.surface.get());
   return drawing;
 }
 

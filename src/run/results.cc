@@ -38,7 +38,8 @@ std::vector<std::vector<Eigen::Vector3d>> left_out_in(const std::filesystem::pat
 }  // namespace
 
 Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                      const PlacedArtwork& artwork, const std::function<void()>& check) {
+                      const PlacedArtwork& artwork, const std::function<void()>& check,
+                      const Canvas* canvas) {
   const auto step = [&check] {
     if (check) check();
   };
@@ -70,7 +71,7 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
     write_ink_top(run, drawn, folder / "ink_top", picture);
     write_ink_page(run, drawn, to_page, artwork.shape.target.page, folder / "ink_page", picture);
   });
-  Metrics metrics = compute_metrics(run, drawn);
+  Metrics metrics = compute_metrics(run, drawn, canvas);
   if (std::filesystem::exists(folder / kIncidentFile)) metrics.ending.incident = kIncidentFile;
   write_metrics(folder, metrics);
   step();

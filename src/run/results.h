@@ -11,11 +11,14 @@
 
 namespace impedraw {
 
+class Canvas;
+
 // Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5.
 // The pictures are views along the artwork's drawing axis. `check` is called now and then; what it
-// throws ends the work. Returns the metrics.
+// throws ends the work. `canvas`: as in compute_metrics. Returns the metrics.
 Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                      const PlacedArtwork& artwork, const std::function<void()>& check = {});
+                      const PlacedArtwork& artwork, const std::function<void()>& check = {},
+                      const Canvas* canvas = nullptr);
 
 // metrics.json; where an area was covered, the metrics of its file come first.
 inline constexpr const char* kCoverFile = "cover.json";

@@ -63,17 +63,20 @@ Distortion over_strokes(const std::vector<PlacedStroke>& strokes, const Onto& on
                         const std::function<LocalStretch(const SurfaceSample&)>& stretch) {
   Gathering gathering;
   for (const PlacedStroke& stroke : strokes) {
-    for (std::size_t k = 1; k < stroke.p_P.size(); ++k) {
-      const Vector2d along = stroke.p_P[k] - stroke.p_P[k - 1];
+    for (std::size_t from = 0, k = 1; k < stroke.p_P.size(); from = k++) {
+      while (k + 1 < stroke.p_P.size() && (stroke.p_P[k + 1] - stroke.p_P[from]).norm() <= kChord)
+        ++k;
+      const Vector2d& start = stroke.p_P[from];
+      const Vector2d along = stroke.p_P[k] - start;
       const int chords = std::max(1, static_cast<int>(std::ceil(along.norm() / kChord)));
       const double length = along.norm() / chords;
       if (length == 0) continue;
-      std::optional<SurfaceSample> last = onto(stroke.p_P[k - 1]);
+      std::optional<SurfaceSample> last = onto(start);
       for (int i = 1; i <= chords; ++i) {
-        const std::optional<SurfaceSample> next = onto(stroke.p_P[k - 1] + along * i / chords);
+        const std::optional<SurfaceSample> next = onto(start + along * i / chords);
         if (last && next) {
           gathering.lengths((next->p_P - last->p_P).norm() / length, length);
-          if (const auto middle = onto(stroke.p_P[k - 1] + along * (i - 0.5) / chords))
+          if (const auto middle = onto(start + along * (i - 0.5) / chords))
             gathering.shapes(stretch(*middle));
         }
         last = next;
