@@ -1,10 +1,20 @@
 #include "impedraw/control/contact.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "impedraw/control/tip_friction.h"
 
 namespace impedraw {
+
+namespace {
+
+constexpr double kForesees = 0.1;    // to which a carrier's acceleration is known [m/s²]
+constexpr double kNoSinking = 0.01;  // rise beyond which an approach does not sink [m/s]
+constexpr double kFirm = 0.4;        // share of F_n that outranks where a carrier is thought to be
+constexpr double kThere = 3e-3;      // distance that counts then, at most [m]
+
+}  // namespace
 
 SurfaceContact::SurfaceContact(const ImpedanceSettings& s)
     : measured_(s.wrench == WrenchFeedback::measured),
@@ -36,7 +46,7 @@ const Contact& SurfaceContact::update(const StepInput& in) noexcept {
   now_.v = in.arm.V_WE.head<3>() - now_.v_K;
   update_mode(in, surface);
   update_approach(surface);
-  update_rise(in.carrier != nullptr);
+  update_rise(in);
   update_felt_normal(in.F_ext);
   return now_;
 }
@@ -53,6 +63,9 @@ void SurfaceContact::update_mode(const StepInput& in, const SurfaceEstimate& sur
   evidence.normal_force =
       measured_ ? in.F_ext.head<3>().dot(was_on_surface ? tracker_.n() : surface.n_W) : 0.0;
   evidence.approach_gap = surface.distance - approach_distance_;
+  // Where a carrier is, its estimate tells late.
+  if (in.carrier && evidence.normal_force > kFirm * now_.force)
+    evidence.distance = std::clamp(evidence.distance, -kThere, kThere);
   const ContactMode before = now_.mode;
   now_.mode = states_.next(evidence);
 
@@ -72,10 +85,11 @@ void SurfaceContact::update_approach(const SurfaceEstimate& surface) noexcept {
   now_.sinking = now_.off_target = 0.0;
   if (now_.mode != ContactMode::approach) return;
   const bool known = surface.status == SurfaceStatus::ok;
+  approach_distance_ += now_.rise * dt_;
   // A tip that is held back must not release a wound-up spring.
   if (known && approach_distance_ < surface.distance - approach_.lag) {
     approach_distance_ = surface.distance - approach_.lag;
-  } else if (approach_distance_ > -approach_.overtravel) {
+  } else if (approach_distance_ > -approach_.overtravel && now_.rise < kNoSinking) {
     approach_distance_ -= approach_.speed * dt_;
     now_.sinking = approach_.speed;
   }
@@ -83,12 +97,19 @@ void SurfaceContact::update_approach(const SurfaceEstimate& surface) noexcept {
 }
 
 // The filter is slow enough that the damping along n stays.
-void SurfaceContact::update_rise(bool carried) noexcept {
-  if (!carried || now_.mode != ContactMode::contact) {
+void SurfaceContact::update_rise(const StepInput& in) noexcept {
+  if (!in.carrier || !now_.on_surface()) {
+    carried_ = false;
     now_.rise = 0.0;  // its effect decays with the force carried over at the switch
     return;
   }
-  now_.rise += kRiseRate * dt_ * (now_.n.dot(now_.v) - now_.rise);
+  const Eigen::Vector3d lasting = in.carrier->acceleration_at(in.arm.X_WE.p) * dt_;
+  const double corrected = now_.n.dot(now_.v_K - v_K_ - lasting), known = kForesees * dt_;
+  if (std::exchange(carried_, true)) now_.rise -= corrected - std::clamp(corrected, -known, known);
+  v_K_ = now_.v_K;
+  const bool touches = now_.mode == ContactMode::contact;
+  const double shown = touches ? now_.n.dot(now_.v) : 0.0;
+  now_.rise += (touches ? kRiseRate : kApproachRiseRate) * dt_ * (shown - now_.rise);
   now_.rise = std::clamp(now_.rise, -kFastestRise, kFastestRise);
 }
 

@@ -9,10 +9,12 @@
 //           n_C normal where the ball of the tip touches: as felt, else n
 // Approach  The desired distance to the surface sinks by speed Δt a step to −overtravel. It waits
 //           at the tip's distance less `lag` for a tip that is held back, so that no spring winds
-//           up.
-// Rise      u ← u + 80/s Δt (n·(v − v_K) − u), |u| ≤ 0.2 m/s, in contact on a carrier, else 0: the
+//           up, and while the rise is above 10 mm/s. It grows by the rise.
+// Rise      u ← u + 80/s Δt (n·(v − v_K) − u) − n·(Δv_K − a_K Δt) in contact on a carrier: the
 //           velocity along n that the tip shows the carrier's v_K to lack. The tip is the fastest
-//           sensor along n.
+//           sensor along n. What v_K changes by beyond a_K Δt, and 0.1 m/s² of it, is a correction
+//           of the estimate and no motion: it would throw the pen. In approach u → 0 at 15/s.
+//           |u| ≤ 0.4 m/s.
 // Force     F_n as the reference gives it, or that of the settings
 // Requires  unit normals; one call every dt
 #pragma once
@@ -48,10 +50,11 @@ struct Contact {
 
 class SurfaceContact {
  public:
-  static constexpr double kOtherSide = -0.5;   // n·n_plan below which an estimate is turned
-  static constexpr double kLeastForce = 0.2;   // share of F_n below which no normal is felt
-  static constexpr double kRiseRate = 80.0;    // filter rate of the rise [1/s]
-  static constexpr double kFastestRise = 0.2;  // [m/s]
+  static constexpr double kOtherSide = -0.5;  // n·n_plan below which an estimate is turned
+  static constexpr double kLeastForce = 0.2;  // share of F_n below which no normal is felt
+  static constexpr double kRiseRate = 80.0;   // filter rate of the rise [1/s]
+  static constexpr double kApproachRiseRate = 15.0;
+  static constexpr double kFastestRise = 0.4;  // [m/s]
 
   // Throws InputError as ContactSettings::validate() does.
   explicit SurfaceContact(const ImpedanceSettings& settings);
@@ -65,7 +68,7 @@ class SurfaceContact {
  private:
   void update_mode(const StepInput& in, const SurfaceEstimate& surface) noexcept;
   void update_approach(const SurfaceEstimate& surface) noexcept;
-  void update_rise(bool carried) noexcept;
+  void update_rise(const StepInput& in) noexcept;
   void update_felt_normal(const Vector6& F_ext) noexcept;
 
   bool measured_;
@@ -75,7 +78,9 @@ class SurfaceContact {
   ContactStates states_;
   NormalTracker tracker_;
   FeltNormal felt_;
-  double approach_distance_ = 0.0;  // desired distance to the surface in approach [m]
+  bool carried_ = false;                           // on the surface of a carrier
+  Eigen::Vector3d v_K_ = Eigen::Vector3d::Zero();  // of the last step then
+  double approach_distance_ = 0.0;                 // to the surface, desired in approach [m]
   Contact now_;
 };
 

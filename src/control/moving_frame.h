@@ -29,6 +29,10 @@ struct FrameMotion {
   Eigen::Vector3d velocity_at(const Eigen::Vector3d& p_W) const noexcept {
     return v + w.cross(p_W - X_WK.p);
   }
+  Eigen::Vector3d acceleration_at(const Eigen::Vector3d& p_W) const noexcept {
+    const Eigen::Vector3d r = p_W - X_WK.p;
+    return a + alpha.cross(r) + w.cross(w.cross(r));
+  }
 };
 
 // A reference whose members are given in K, as it is in W. Allocates nothing.

@@ -19,17 +19,6 @@ struct TangentMotion {
   Vector3d e, v, a;
 };
 
-// Motion of a point that rests in the carrier.
-struct CarrierMotion {
-  Vector3d v = Vector3d::Zero(), a = Vector3d::Zero();
-};
-
-CarrierMotion carrier_motion(const FrameMotion& carrier, const Vector3d& p_W) {
-  const Vector3d r = p_W - carrier.X_WK.p;
-  return {carrier.v + carrier.w.cross(r),
-          carrier.a + carrier.alpha.cross(r) + carrier.w.cross(carrier.w.cross(r))};
-}
-
 Vector3d across(const Vector3d& n, const Vector3d& x) { return x - n * n.dot(x); }
 
 // Projection along z, with full stiffness on any slope: x − z (n·x)/(n·z) and its derivatives. The
@@ -83,11 +72,12 @@ TipTarget target_on_surface(const StepInput& in, const Contact& contact, double 
   const Vector3d z = carrier ? Vector3d(carrier->X_WK.R * settings.surface.drawing_axis_W)
                              : settings.surface.drawing_axis_W;
   Vector3d v_D = plan.v_WD, a_D = plan.a_WD, n_turn = contact.w_T;
-  CarrierMotion carried;
+  Vector3d v_K = Vector3d::Zero(), a_K = Vector3d::Zero();
   if (carrier) {
-    carried = carrier_motion(*carrier, plan.p_WD);
-    v_D -= carried.v;
-    a_D -= carried.a + 2.0 * carrier->w.cross(v_D);
+    v_K = carrier->velocity_at(plan.p_WD);
+    a_K = carrier->acceleration_at(plan.p_WD);
+    v_D -= v_K;
+    a_D -= a_K + 2.0 * carrier->w.cross(v_D);
     n_turn -= carrier->w;
   }
 
@@ -101,8 +91,8 @@ TipTarget target_on_surface(const StepInput& in, const Contact& contact, double 
   TangentMotion tangent =
       lift ? lifted(e, v_D, a_D, n, n_turn.cross(n), z, least) : projected(e, v_D, a_D, n, z);
   if (carrier) {
-    tangent.a += carried.a + 2.0 * carrier->w.cross(tangent.v);
-    tangent.v += carried.v + contact.rise * n;
+    tangent.a += a_K + 2.0 * carrier->w.cross(tangent.v);
+    tangent.v += v_K + contact.rise * n;
   }
 
   // Along the normal

@@ -43,8 +43,9 @@ struct OverAPlane {
 TEST(SurfaceContact, LearnsHowFastTheSurfaceRisesBeyondItsCarrier) {
   for (const double speed : {0.02, -0.02}) {
     OverAPlane over;
-    over.touch();
     over.carrier.v = {0.1, 0.0, 0.5 * speed};
+    over.arm.V_WE.head<3>() = over.carrier.v;
+    over.touch();
     over.arm.V_WE.head<3>() = Vector3d(0.05, 0.0, 1.5 * speed);
     const double dt = over.settings.timing.dt;
     double expected = 0.0;
@@ -58,6 +59,47 @@ TEST(SurfaceContact, LearnsHowFastTheSurfaceRisesBeyondItsCarrier) {
     EXPECT_EQ(over.step().rise, SurfaceContact::kFastestRise);
     over.carried = false;
     EXPECT_EQ(over.step().rise, 0.0) << "a canvas that stands does not rise";
+  }
+}
+
+// The estimate's corrections: v_K jumps, and its acceleration does not say so. V_d along n is
+// v_K + rise.
+TEST(SurfaceContact, CorrectionsOfTheCarrierDoNotThrowThePen) {
+  OverAPlane over;
+  over.touch();
+  const double dt = over.settings.timing.dt;
+  over.carrier.v = {0.0, 0.3, -0.15};
+  EXPECT_NEAR(over.step().rise, 0.15, 1e-3) << "the tip in contact stands, and is to stand";
+  // In approach it yields to the estimate within 70 ms.
+  over.F_ext.setZero();
+  over.surface.distance = 5e-3;
+  while (over.step().mode == ContactMode::contact) {
+  }
+  over.carrier.v[2] -= 0.1;
+  const double before = over.step().rise;
+  EXPECT_GT(before, 0.2);
+  for (int i = 0; i < 70; ++i) over.step();
+  EXPECT_NEAR(over.step().rise / before, std::exp(-15.0 * 71 * dt), 0.01);
+  // A motion that its acceleration explains is followed at once.
+  OverAPlane heaving;
+  heaving.touch();
+  for (int i = 0; i < 100; ++i) {
+    heaving.carrier.a[2] = 2.0;
+    heaving.carrier.v[2] += 2.0 * dt;
+    heaving.arm.V_WE.head<3>() = heaving.carrier.v;
+    EXPECT_NEAR(heaving.step().rise, 0.0, 1e-9);
+  }
+}
+
+// A canvas in motion lies where the pen feels it, however far from there it is thought to be.
+TEST(SurfaceContact, AFirmTouchOutranksALateEstimateOfACarrier) {
+  for (const bool carried : {true, false}) {
+    OverAPlane over;
+    over.carried = carried;
+    over.surface.distance = 9e-3;
+    over.step();
+    over.F_ext[2] = 4.0;
+    EXPECT_EQ(over.step().mode, carried ? ContactMode::contact : ContactMode::approach);
   }
 }
 
