@@ -161,7 +161,9 @@ TEST(Rough, AHoleIsRoundAndAsWideAsAsked) {
       const double r = std::hypot(x, y);
       const bool gone = std::isnan(top(canvas, x, y));
       ++looks, missing += gone;
-      if (std::abs(r - diameter / 2) > cell) ASSERT_EQ(gone, r < diameter / 2) << x << ' ' << y;
+      if (std::abs(r - diameter / 2) > cell) {
+        ASSERT_EQ(gone, r < diameter / 2) << x << ' ' << y;
+      }
     }
   const double area = 0.06 * 0.06 * missing / looks;
   EXPECT_NEAR(area / (kPi * diameter * diameter / 4), 1.0, 0.05);

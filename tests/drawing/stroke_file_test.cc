@@ -180,13 +180,13 @@ TEST(StrokeFile, WidthsAndForcesOfItsPoints) {
   EXPECT_EQ(share.press, (Press{1.5, 8}));
   EXPECT_EQ(share.points.at(0), Eigen::Vector2d(10, 10));
   EXPECT_TRUE(read("100 50\n10 20\n30 40\nEnd\n", false).press.empty());
-  for (const auto& [text, csv] : {std::pair("x,y,width,force\n1,2,3,4\n", true),
-                                  {"x,y,force\n1,2,-1\n", true},
-                                  {"x,y,width\n1,2,nan\n", true},
-                                  {"x,y,width\n1,2\n", true},
-                                  {"10 20 widths\n1 2 3\nEnd\n", false},
-                                  {"10 20 width\n1 2\nEnd\n", false}})
-    EXPECT_THROW(read(text, csv), InputError) << text;
+  for (const auto& [text, is_csv] : {std::pair("x,y,width,force\n1,2,3,4\n", true),
+                                     {"x,y,force\n1,2,-1\n", true},
+                                     {"x,y,width\n1,2,nan\n", true},
+                                     {"x,y,width\n1,2\n", true},
+                                     {"10 20 widths\n1 2 3\nEnd\n", false},
+                                     {"10 20 width\n1 2\nEnd\n", false}})
+    EXPECT_THROW(read(text, is_csv), InputError) << text;
 }
 
 TEST(StrokeFile, TooManyPointsAreNamed) {

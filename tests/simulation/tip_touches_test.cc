@@ -333,7 +333,9 @@ TEST(TipTouches, TheForceHasNoJumpWhereTheNearestPlaceChanges) {
         Vector3d force = Vector3d::Zero();
         for (const TipTouch& touch : tip.update(canvas, {x, 0.0, height}, kRadius))
           force += touch.share * (kRadius - touch.clear) * touch.n;
-        if (x > -apart) ASSERT_LT((force - last).norm(), 0.05e-3) << apart << " " << x;
+        if (x > -apart) {
+          ASSERT_LT((force - last).norm(), 0.05e-3) << apart << " " << x;
+        }
         last = force;
       }
     }
