@@ -13,7 +13,9 @@
 #include "impedraw/experiment/picture_of_plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/files/durable_file.h"
+#include "impedraw/log/visit_rows.h"
 #include "impedraw/run/folder_lock.h"
+#include "impedraw/run/groove.h"
 #include "impedraw/run/incident.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/results.h"
@@ -153,12 +155,21 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
   std::optional<Resumption> resumption;
   if (resume) resumption = resumption_in(folder, experiment);
   require_room(folder, experiment, resumption);
+  std::optional<GrooveJudge> groove;
+  if (experiment.scenario.tool.kind == ToolKind::engraver) groove.emplace(experiment);
+  if (groove && resumption)
+    visit_rows(folder / "run.h5", [&groove](const LogRow& row) { groove->add(row); });
   Drawing drawing;
   {
     Interrupt interrupt;
     ProgressLine line;
     RunHooks hooks;
     hooks.row = watch.row;
+    if (groove)
+      hooks.row = [&](const LogRow& row) {
+        groove->add(row);
+        if (watch.row) watch.row(row);
+      };
     hooks.emergency = [&] {
       return interrupt.emergency() || (watch.emergency && watch.emergency());
     };
@@ -170,9 +181,9 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
     hooks.pause = watch.pause;
     // An arm that cannot be started leaves the results of an earlier run.
     hooks.begun = [&] {
-      for (const char* stale :
-           {"metrics.json", "report.html", "ink_top.svg", "ink_top.png", "ink_page.svg",
-            "ink_page.png", "strokes.json", "incident.html", kCoverFile, "cover.svg", "cover.png"})
+      for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
+                                "ink_page.svg", "ink_page.png", "strokes.json", "incident.html",
+                                kCoverFile, kGrooveFile, "cover.svg", "cover.png"})
         if (is_own_file(folder / stale)) fs::remove(folder / stale);
       if (!resumption) write_inputs(folder, experiment.scenario, experiment.inputs);
       if (watch.begun) watch.begun();
@@ -209,6 +220,8 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
   if (!drawing.outcome.not_real_time.empty())
     say(stderr, "note: arm.real_time: {}\n", drawing.outcome.not_real_time);
   write_strokes(folder, experiment, drawing.outcome);
+  if (groove) write_whole(folder / kGrooveFile, groove->results().dump(2) + "\n");
+  if (watch.ended) watch.ended();
   drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork, check);
   return drawing;
 }
