@@ -39,7 +39,8 @@ class Judge {
       : X_PW_(e.artwork.X_WP.inverse()),
         model_(model_of(e.scenario.arm)),
         truth_(truth.grid, pad(e), e.scenario.control.normal_force, e.scenario.path.draw_speed),
-        arm_(plan.grid, pad(e), e.scenario.control.normal_force, e.scenario.path.draw_speed) {}
+        arm_(plan.grid, pad(e), e.scenario.control.normal_force, e.scenario.path.draw_speed,
+             kDoubt) {}
 
   // A canvas that moves is seen from its own frame, by the arm as it believes that this lies.
   void add(const LogRow& row) {
@@ -68,6 +69,7 @@ class Judge {
   }
 
   static constexpr double kLongest = 0.05;  // between two rows of a log [s]
+  static constexpr double kDoubt = 0.03;    // of a wrench sensor: drift and the pad's own weight
 
   static void press(TreatmentMap* map, const Pose& X_PE, Eigen::Vector3d* before, double force,
                     double time, double dt, bool on_line) {
@@ -270,10 +272,12 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   }
   RunHooks hooks;
   hooks.row = [&judge](const LogRow& row) { judge.add(row); };
+  Results results;
+  hooks.ended = [&] {
+    results = results_of(experiment, plan, truth, judge);
+    write_whole(folder / kCoverFile, results.whole.dump(2) + "\n");
+  };
   const Drawing drawing = draw_into(folder, experiment, seconds_since(start), begun, hooks);
-  const Results results = results_of(experiment, plan, truth, judge);
-  write_whole(folder / kCoverFile, results.whole.dump(2) + "\n");
-  write_metrics(folder, drawing.metrics);
   write_cover(picture_of(scenario.name, truth, judge, results), folder / "cover");
   say(stdout, "{}: {:.2f} s simulated in {:.2f} s\n", scenario.name, drawing.outcome.simulated,
       drawing.outcome.wall.loop);

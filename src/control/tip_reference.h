@@ -20,6 +20,8 @@ struct TipReference {
   bool pen_down = false;
   double force = 0.0;       // F_n along the normal [N]; 0: ImpedanceSettings::normal_force
   double force_rate = 0.0;  // its derivative [N/s]
+  // below the touched surface, which a cutter holds [m]; 0: by the force alone
+  double depth = 0.0;
 };
 
 }  // namespace impedraw

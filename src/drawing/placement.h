@@ -94,6 +94,7 @@ struct PlacedStroke {
   double wait = 0;                 // before it, with the pen up [s]
   bool pause = false;              // before it, until the run is told to go on
   std::vector<double> force = {};  // of the pen at each point [N]; empty: control.normal_force
+  double depth = 0;                // that a cutter holds [m]; 0: by the force alone
 };
 std::vector<PlacedStroke> placed_strokes(const Artwork& artwork, const Placement& placement);
 

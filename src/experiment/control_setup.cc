@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,9 @@ constexpr double kRealTorqueRate = 850.0;  // [Nm/s]
 // 200 rad/s shook the wrist until the session ended; 50 rad/s and 20 rad/s did not.
 constexpr double kRealObserver = 0.1;
 
+// Of the forces across a cut, over the modelled ones.
+constexpr double kCutSpread = 1.2;
+
 // The stiffest pad that the force loop must bear, over the modelled one.
 constexpr double kPadSpread = 2.0;
 
@@ -75,6 +79,17 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
   settings.friction.normal_error_deg = s.control.normal_error_deg.value_or(0.0);
   const GivenFeltNormal& felt = s.control.felt_normal;
   settings.felt_normal = {felt.share.value_or(0.0), felt.deviation, felt.force_error};
+  if (const auto cutter = cutter_of(s.tool)) {
+    // What of a measured wrench the cut explains, and how far the push sinks the tip.
+    const CutForces cut = cut_forces(*cutter, s.tool.depth, 0.0, s.path.draw_speed);
+    settings.tip.stiffness = cut.normal / s.tool.depth;
+    settings.contact.deepest += s.tool.depth;
+    settings.friction.coefficient = kCutSpread * cut.drag / cut.normal;
+    settings.friction.normal_error_deg =
+        std::min(ImpedanceSettings::Limits::normal_error.range.highest,
+                 std::atan(kCutSpread * cut.side / cut.normal) * 180.0 / std::numbers::pi);
+    settings.felt_normal.share = 0.0;  // it would take the cut's side force for a slope
+  }
   settings.surface.drawing_axis_W = plan.path_settings.X_WP.R.col(2);
   settings.limits.torque = s.control.torque_share * limits.torque;
   settings.limits.joint_speed = s.control.joint_speed_share * limits.speed;
@@ -171,6 +186,11 @@ ControlSetup make_control_setup(const Scenario& s, const Belief& belief, const P
                                 const SettingErrors& setting_errors) {
   ControlSetup setup;
   setup.source = s.control.source;
+  if (cutter_of(s.tool) && (setup.source == WrenchSource::none || !s.perception.enabled))
+    setting_errors.raise(
+        {"tool.kind", "control.wrench", "perception.enabled"},
+        "tool.kind: an engraver holds its depth by what it feels on a surface that "
+        "it sees; valid is a measured control.wrench, and perception.enabled true");
   setup.sensor =
       setup.source == WrenchSource::realistic ? WrenchSensorSettings::realistic() : s.wrench_sensor;
   setup.estimator =
@@ -184,6 +204,7 @@ ControlSetup make_control_setup(const Scenario& s, const Belief& belief, const P
     });
   }
   setup.impedance = impedance_settings(s, belief, plan, wrench_delay);
+  if (cutter_of(s.tool)) setup.cut = {setup.impedance.tip.stiffness, depths_of(s.tool).front()};
   choose_mass(s.control, s.perception.frames.enabled, &setup.impedance);
   set_up_joint_sensing(s, belief.arm.joints(), setting_errors, &setup);
   choose_mass(s.control, s.perception.frames.enabled,

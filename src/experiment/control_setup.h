@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "impedraw/control/depth_hold.h"
 #include "impedraw/control/impedance_settings.h"
 #include "impedraw/experiment/belief.h"
 #include "impedraw/experiment/plan.h"
@@ -30,7 +31,8 @@ struct ControlSetup {
     TouchSettings settings;
     TouchModel model;
   };
-  std::optional<Touch> touch;  // the surface is learned from touch
+  std::optional<Touch> touch;   // the surface is learned from touch
+  std::optional<CutModel> cut;  // whose depth is held
 };
 
 // Throws InputError if the controller or the sensor rejects its settings.

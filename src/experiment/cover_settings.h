@@ -3,13 +3,14 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "impedraw/common/range.h"
 #include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
 
-enum class ToolKind { pen, pad };
+enum class ToolKind { pen, pad, engraver };
 
 struct ToolSettings {
   ToolKind kind = ToolKind::pen;
@@ -17,17 +18,31 @@ struct ToolSettings {
   double foam_thickness = PadSettings().thickness;  // [m]
   double foam_stiffness = PadSettings().stiffness;  // [N/m³]
   double foam_damping = PadSettings().damping;      // [N s/m³]
+  double depth = 0.3e-3;                            // of an engraver's groove [m]
+  double half_angle_deg = 45.0;                     // of its cone
+  int passes = 1;                                   // to that depth, after a shallow one
+  double hardness = 1.0;                            // of the true material, over the believed one
 
   struct Limits {
     static constexpr Limit radius = PadSettings::Limits::radius;
     static constexpr Limit foam_thickness = {"foam_thickness", "m", {1e-3, 0.1}};
     static constexpr Limit foam_stiffness = {"foam_stiffness", "N/m³", {1e4, 1e9}};
     static constexpr Limit foam_damping = {"foam_damping", "N s/m³", {0.0, 1e6}};
+    static constexpr Limit depth = {"depth", "m", {1e-4, 2e-3}};
+    static constexpr Limit half_angle = {"half_angle", "deg", {10.0, 75.0}};
+    static constexpr Limit passes = {"passes", "", {1, 20}};
+    static constexpr Limit hardness = {"hardness", "", {0.2, 5.0}};
   };
 };
 
 // The pad of these settings, which lies level with E under `force` [N]; nothing for a pen.
 std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force);
+
+// The cutter of these settings in the believed material; nothing for another tool.
+std::optional<CutterSettings> cutter_of(const ToolSettings& tool);
+
+// Depths of an engraver's passes, the shallow one that finds the surface first [m].
+std::vector<double> depths_of(const ToolSettings& tool);
 
 struct CoverSettings {
   std::filesystem::path

@@ -95,6 +95,31 @@ void give_pace(const Scenario& s, PlacedArtwork* artwork) {
                             changes, changes == 1 ? "" : "s"));
 }
 
+// All lines once for each of the cutter's passes, with the force and the depth of that pass.
+void give_cuts(const Scenario& s, const CutterSettings& cutter, PlacedArtwork* artwork) {
+  const auto lay = [](auto* lines, std::size_t n, std::size_t passes) {
+    lines->reserve(n * passes);
+    for (std::size_t i = n; i < n * passes; ++i) lines->push_back((*lines)[i - n]);
+  };
+  const std::vector<double> depths = depths_of(s.tool);
+  const std::size_t n = artwork->strokes.size();
+  lay(&artwork->shape.drawn.strokes, n, depths.size());
+  lay(&artwork->shape.target.strokes, artwork->shape.target.strokes.size(), depths.size());
+  for (auto* lines : {&artwork->strokes, &artwork->desired}) {
+    const std::size_t one = lines->size();
+    lay(lines, one, depths.size());
+    for (std::size_t i = 0; i < lines->size(); ++i) {
+      PlacedStroke& line = (*lines)[i];
+      const std::size_t pass = i / one;
+      if (pass > 0) line.number += static_cast<int>(pass * one);
+      if (pass > 0) line.depth = depths[pass];
+      const double speed = line.speed > 0.0 ? line.speed : s.path.draw_speed,
+                   before = pass > 0 ? depths[pass - 1] : 0.0;
+      line.force.assign(line.p_P.size(), cut_forces(cutter, depths[pass], before, speed).normal);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<DrawnPen> layer_pens(const Scenario& s, const Artwork& artwork,
@@ -141,6 +166,10 @@ void give_forces(const Scenario& s, const SettingErrors& setting_errors, PlacedA
     setting_errors.raise({"pen.check"},
                          "pen.check: without perception nothing tells where the drawing begins; "
                          "valid is pen.spot, a known place");
+  if (const auto cutter = cutter_of(s.tool)) {
+    give_cuts(s, *cutter, artwork);
+    return;
+  }
   if (s.pen.least_force > s.pen.most_force)
     setting_errors.raise({"pen.least_force", "pen.most_force"},
                          fmt::format("pen.least_force is {} N, above pen.most_force, {} N",

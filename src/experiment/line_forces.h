@@ -2,7 +2,9 @@
 //
 // A stroke whose width is known, as painted and scaled with the drawing, gets the force at which
 // the pen draws that width (ink/pen.h), if its width changes with the force; one that gives forces
-// gets those. Both stay within the pen's limits. All others keep control.normal_force.
+// gets those. Both stay within the pen's limits. All others keep control.normal_force. An
+// engraver's lines are laid once for each of its passes, all lines of a pass together, and get the
+// forces of their cuts.
 #pragma once
 
 #include "impedraw/experiment/artwork.h"

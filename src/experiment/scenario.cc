@@ -381,13 +381,20 @@ void describe(Fields& f, LayerPenSettings& s) {
 
 void describe(Fields& f, ToolSettings& s) {
   using Limits = ToolSettings::Limits;
-  f.choice("kind", s.kind, {{"pen", ToolKind::pen}, {"pad", ToolKind::pad}},
+  f.choice("kind", s.kind,
+           {{"pen", ToolKind::pen}, {"pad", ToolKind::pad}, {"engraver", ToolKind::engraver}},
            "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
-           "foam.");
+           "foam. engraver: a turning cone that cuts grooves.");
   f.field(Limits::radius, s.radius, "Radius of the pad.");
   f.field(Limits::foam_thickness, s.foam_thickness, "Thickness of the pad's foam.");
   f.field(Limits::foam_stiffness, s.foam_stiffness, "Pressure of the foam per compression.");
   f.field(Limits::foam_damping, s.foam_damping, "Pressure of the foam per rate of compression.");
+  f.field(Limits::depth, s.depth, "Depth of the engraver's groove below the surface.");
+  f.field(Limits::half_angle, s.half_angle_deg, "Half of the angle of the engraver's cone.");
+  f.field(Limits::passes, s.passes,
+          "Cuts to that depth, in equal steps, after a shallow one that finds the surface.");
+  f.field(Limits::hardness, s.hardness,
+          "True cutting forces of the simulated material over the believed ones.");
 }
 
 void describe(Fields& f, CoverSettings& s) {
@@ -457,6 +464,21 @@ std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, dou
       tool.radius, tool.foam_thickness, tool.foam_stiffness, tool.foam_damping, friction, 0.0};
   pad.rest = force / (pad.stiffness * pad.area());
   return pad;
+}
+
+std::optional<CutterSettings> cutter_of(const ToolSettings& tool) {
+  if (tool.kind != ToolKind::engraver) return std::nullopt;
+  CutterSettings cutter;
+  cutter.half_angle = tool.half_angle_deg * std::numbers::pi / 180.0;
+  return cutter;
+}
+
+std::vector<double> depths_of(const ToolSettings& tool) {
+  constexpr double kShallow = 0.25;
+  std::vector<double> depths{kShallow * tool.depth};
+  for (int i = 1; i <= tool.passes; ++i)
+    depths.push_back(tool.depth * (kShallow + (1.0 - kShallow) * i / tool.passes));
+  return depths;
 }
 
 }  // namespace impedraw

@@ -290,6 +290,8 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   check_joint_settings(s, urdf, arm, setting_errors);
   WorldSettings settings = s.world;
   settings.pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);
+  settings.cutter = cutter_of(s.tool);
+  if (settings.cutter) settings.cutter->hardness = s.tool.hardness;
   settings.flange_sensor = has_sensor(s.control.source);
   if (settings.errors.rotor_inertia.empty() && !settings.joint_spring.on())
     settings.errors.rotor_inertia.assign(arm.rotor_inertia().begin(), arm.rotor_inertia().end());

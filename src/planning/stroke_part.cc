@@ -71,6 +71,7 @@ PlacedStroke StrokeRuler::part(double from, double to) const {
   part.number = stroke.number;
   part.start = from;
   part.speed = stroke.speed;
+  part.depth = stroke.depth;
   if (from == 0.0) {
     part.wait = stroke.wait;
     part.pause = stroke.pause;

@@ -56,6 +56,7 @@ ControlLoop::ControlLoop(const ControlSetup& setup, const ArmModel& arm, const D
   if (has_sensor(setup.source)) estimator_.emplace(setup.estimator);
   if (setup.joint_estimator) joint_estimator_.emplace(*setup.joint_estimator, arm.joints());
   if (setup.touch) touch_.emplace(setup.touch->settings, setup.touch->model);
+  if (setup.cut) depth_.emplace(*setup.cut, driver.period);
 }
 
 const ImpedanceTorque& ControlLoop::step(const ArmState& state,
@@ -64,7 +65,7 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
   canvas_.update(state.time);
   update_wrench(state);
   avoid_canvas(given, state.time);
-  const TipReference reference = hit_.of(keep_away_.of(canvas_.in_world(given)));
+  TipReference reference = hit_.of(keep_away_.of(canvas_.in_world(given)));
   const Eigen::Vector3d& p_WE = terms_.X_WE.p;
   const bool ahead = coupled_ && on_surface();
   const Eigen::Vector3d query = ahead ? surface_query(p_WE, reference.p_WD, n_) : p_WE;
@@ -81,6 +82,11 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
   } else if (touch_) {
     touch_->update(terms_.X_WE, terms_.V_WE, F_ext_.head<3>(), reference.pen_down);
     surface_ = touch_->estimate_at(query);
+  }
+  if (depth_) {
+    const Eigen::Matrix3d R_KW = canvas_.pose().R.transpose();
+    reference.force = depth_->force(reference, X_KE().p, R_KW * n_, n_.dot(F_ext_.head<3>()),
+                                    mode_ == ContactMode::contact);
   }
   const InputAges ages{state.time - state.state_time, state.time - wrench_time_};
   const ImpedanceTorque& out =

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "impedraw/arm/arm_model.h"
+#include "impedraw/control/depth_hold.h"
 #include "impedraw/control/hit_retreat.h"
 #include "impedraw/control/impedance.h"
 #include "impedraw/experiment/control_setup.h"
@@ -92,6 +93,7 @@ class ControlLoop {
   double state_time_ = std::numeric_limits<double>::quiet_NaN();  // of the last joint reading [s]
   std::optional<WrenchEstimator> estimator_;
   std::optional<TouchSurface> touch_;
+  std::optional<DepthHold> depth_;
   bool coupled_;  // M_d couples translation and rotation
   ArmTerms terms_;
   SurfaceEstimate surface_;

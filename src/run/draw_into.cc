@@ -16,7 +16,9 @@
 #include "impedraw/experiment/picture_of_plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/files/durable_file.h"
+#include "impedraw/log/visit_rows.h"
 #include "impedraw/run/folder_lock.h"
+#include "impedraw/run/groove.h"
 #include "impedraw/run/incident.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/results.h"
@@ -191,12 +193,21 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
   std::optional<Resumption> resumption;
   if (resume) resumption = resumption_in(folder, experiment);
   require_room(folder, experiment, resumption);
+  std::optional<GrooveJudge> groove;
+  if (experiment.scenario.tool.kind == ToolKind::engraver) groove.emplace(experiment);
+  if (groove && resumption)
+    visit_rows(folder / "run.h5", [&groove](const LogRow& row) { groove->add(row); });
   Drawing drawing;
   {
     Interrupt interrupt;
     ProgressLine line;
     RunHooks hooks;
     hooks.row = watch.row;
+    if (groove)
+      hooks.row = [&](const LogRow& row) {
+        groove->add(row);
+        if (watch.row) watch.row(row);
+      };
     hooks.emergency = [&] {
       return interrupt.emergency() || (watch.emergency && watch.emergency());
     };
@@ -232,7 +243,7 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
     hooks.begun = [&] {
       for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
                                 "ink_page.svg", "ink_page.png", "strokes.json", "incident.html",
-                                kPenFile, kCoverFile, "cover.svg", "cover.png"})
+                                kPenFile, kCoverFile, kGrooveFile, "cover.svg", "cover.png"})
         if (is_own_file(folder / stale)) fs::remove(folder / stale);
       if (!resumption) write_inputs(folder, experiment.scenario, experiment.inputs);
       if (watch.begun) watch.begun();
@@ -269,6 +280,8 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
   if (!drawing.outcome.not_real_time.empty())
     say(stderr, "note: arm.real_time: {}\n", drawing.outcome.not_real_time);
   write_strokes(folder, experiment, drawing.outcome);
+  if (groove) write_whole(folder / kGrooveFile, groove->results().dump(2) + "\n");
+  if (watch.ended) watch.ended();
   drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork, check,
                                   experiment.yardstick.surface.get());
   return drawing;

@@ -11,6 +11,7 @@
 #include "impedraw/files/durable_file.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
+#include "impedraw/run/groove.h"
 #include "impedraw/terminal/called.h"
 #include "impedraw/terminal/say.h"
 
@@ -33,6 +34,18 @@ std::vector<std::vector<Eigen::Vector3d>> left_out_in(const std::filesystem::pat
   } catch (const nlohmann::json::exception&) {
   }
   return lines;
+}
+
+// Where an area was covered or a groove cut, the metrics of its file come first.
+void write_metrics(const std::filesystem::path& folder, const Metrics& metrics) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::object();
+  for (const char* const file : {kCoverFile, kGrooveFile}) {
+    std::ifstream in(folder / file);
+    const auto judged = nlohmann::ordered_json::parse(in, nullptr, false);
+    if (judged.is_object() && judged.contains("metrics")) all.update(judged["metrics"]);
+  }
+  all.update(metrics_json(metrics));
+  write_whole(folder / "metrics.json", all.dump(2) + "\n");
 }
 
 }  // namespace
@@ -84,15 +97,6 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
   };
   write_report(folder, run, drawn, metrics, report);
   return metrics;
-}
-
-void write_metrics(const std::filesystem::path& folder, const Metrics& metrics) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::object();
-  std::ifstream in(folder / kCoverFile);
-  const auto covered = nlohmann::ordered_json::parse(in, nullptr, false);
-  if (covered.is_object() && covered.contains("metrics")) all = covered["metrics"];
-  all.update(metrics_json(metrics));
-  write_whole(folder / "metrics.json", all.dump(2) + "\n");
 }
 
 std::string draw_again(const std::filesystem::path& folder) {

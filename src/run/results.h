@@ -20,9 +20,8 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
                       const PlacedArtwork& artwork, const std::function<void()>& check = {},
                       const Canvas* canvas = nullptr);
 
-// metrics.json; where an area was covered, the metrics of its file come first.
+// Where an area was covered; what it holds under "metrics" comes first in metrics.json.
 inline constexpr const char* kCoverFile = "cover.json";
-void write_metrics(const std::filesystem::path& folder, const Metrics& metrics);
 
 // The command that draws the run in a folder again.
 std::string draw_again(const std::filesystem::path& folder);

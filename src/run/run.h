@@ -74,6 +74,8 @@ struct RunHooks {
   // Asked in each control step; must not wait. True: the motion is damped and the run ends where
   // the pen is, without lifting it.
   std::function<bool()> emergency;
+  // Called after the run, before its results are made.
+  std::function<void()> ended;
 };
 
 inline constexpr double kIncidentTime = 2.0;  // [s]

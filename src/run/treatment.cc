@@ -6,9 +6,11 @@
 
 namespace impedraw {
 
-TreatmentMap::TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double force, double speed)
+TreatmentMap::TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double force, double speed,
+                           double doubt)
     : grid_(std::move(grid)),
       pad_(pad),
+      band_(kBand - doubt),
       asked_(force / pad.area()),
       speed_(speed),
       crossing_(2.0 * pad.radius / speed),
@@ -30,7 +32,7 @@ void TreatmentMap::press(const Pose& X_PE, double force, double speed, double ti
     sum_ += dt * pressure;
     sum2_ += dt * pressure * pressure;
   }
-  const bool good = std::abs(mean_ / asked_ - 1.0) <= kBand;
+  const bool good = std::abs(mean_ / asked_ - 1.0) <= band_;
   under_.clear();
   double area = 0.0, moment = 0.0;
   const Pose X_EP = X_PE.inverse();

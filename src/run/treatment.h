@@ -24,8 +24,10 @@ class TreatmentMap {
  public:
   static constexpr double kShare = 0.1, kMean = 0.02, kBand = 0.1;
 
-  // force: asked for [N]; speed: of the passes [m/s].
-  TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double force, double speed);
+  // force: asked for [N]; speed: of the passes [m/s]; doubt: in the force, a share of it, by which
+  // the band is narrower.
+  TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double force, double speed,
+               double doubt = 0.0);
 
   // The pad is at X_PE, presses with this force along its normal and slides at `speed`, for dt.
   // `on_line`: counts towards the mean pressure and its SD.
@@ -46,8 +48,8 @@ class TreatmentMap {
 
   SurfaceGrid grid_;
   PadSettings pad_;
-  double asked_, speed_, crossing_;  // [Pa], [m/s], [s]
-  double mean_ = 0.0;                // of the pad's pressure over kMean [Pa]
+  double band_, asked_, speed_, crossing_;  // 1, [Pa], [m/s], [s]
+  double mean_ = 0.0;                       // of the pad's pressure over kMean [Pa]
   double last_time_ = -1.0;
   double sum_ = 0.0, sum2_ = 0.0, slid_ = 0.0;
   std::vector<double> area_, dose_, good_, last_;

@@ -161,6 +161,7 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
   mujoco_->flange.emplace(mujoco_->model);
   mujoco_->link_contact.emplace(mujoco_->shape, canvas);
   if (canvas && settings.pad) pad_.emplace(*settings.pad);
+  if (settings.cutter) cutter_.emplace(*settings.cutter);
   state_.q = state_.v = JointVector::Zero(n);
   set_state(state_.q, state_.v);
 }
@@ -189,6 +190,7 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   tip_touches_.reset();
   line_.reset();
   if (pad_) pad_->reset();
+  cut_side_W_.setZero();
   applied_torque_ = JointVector::Zero(joints());
   observe();
   if (springs_)
@@ -317,7 +319,9 @@ void World::integrate(const Vector6& F_push_W) noexcept {
   const int n = m->nv;
   JointVector generalised =
       springs_ ? springs_->begin(applied_torque_, state_.q, state_.v) : applied_torque_;
-  const Vector6 F_W = pad_ ? Vector6(F_push_W + press_pad()) : F_push_W;
+  Vector6 F_W = pad_ ? Vector6(F_push_W + press_pad()) : F_push_W;
+  const Eigen::Vector3d cut_side_W = cut_side_W_;
+  F_W.head<3>() += cut_side_W;
   if (!F_W.isZero(0.0)) {
     mj_jac(m, d, mujoco_->J_push.data(), mujoco_->J_push.data() + 3 * n, state_.X_WE.p.data(),
            mujoco_->tip_body);
@@ -335,6 +339,7 @@ void World::integrate(const Vector6& F_push_W) noexcept {
   Eigen::Map<Eigen::VectorXd> applied(d->qfrc_applied, n);
   applied = generalised + mujoco_->joint_impulse / h_;
   if (pad_) contact_ = pad;
+  if (contact_.touching) contact_.f_W += cut_side_W;
   for (const Mujoco::Touch& touch : std::span(mujoco_->touches).first(mujoco_->touched))
     applied += touch.J_W.transpose().lazyProduct(Eigen::Vector3d(touch.R_WC * touch.impulse / h_));
   mj_step2(m, d);
@@ -386,6 +391,22 @@ void World::find_touches() noexcept {
   }
 }
 
+// The cut is the nearest place's spring, damper and friction. Returns the force across the way.
+Eigen::Vector3d World::engage_cutter() noexcept {
+  Eigen::Vector3d side_K = Eigen::Vector3d::Zero();
+  if (mujoco_->touched == 0) {
+    cutter_->release();
+    return side_K;
+  }
+  Mujoco::Touch& touch = mujoco_->touches[0];
+  const Pose X_KW = motion_.moves() ? canvas_state().X_WK.inverse() : Pose();
+  const Eigen::Matrix3d R_KC = X_KW.R * touch.R_WC;
+  const Eigen::Vector3d v_C = touch.J_C.lazyProduct(state_.v) - touch.canvas_velocity;
+  cutter_->engage(X_KW * touch.p_WC, R_KC.col(2), R_KC * v_C, touch.step.penetration, &touch.tip,
+                  &side_K);
+  return X_KW.R.transpose() * side_K;
+}
+
 // Solves for consistent impulses of the tip and the joints. v_free: velocity after the step without
 // them.
 void World::solve_impulses(const JointVector& v_free) noexcept {
@@ -411,6 +432,7 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
 
   w.touched = 0;
   if (canvas_ && !pad_) find_touches();
+  if (cutter_) cut_side_W_ = engage_cutter();
   const std::span touches = std::span(w.touches).first(w.touched);
   const auto solve = [&w](Mujoco::Touch& touch) {  // returns the largest change
     const Eigen::Vector3d last = touch.impulse;

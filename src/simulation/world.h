@@ -6,6 +6,7 @@
 //   q⁺ = q + h v⁺
 //
 // With a pad, its wrench at the start of the step (pad_contact.h) is part of F_push, and p is zero.
+// With a cutter (cutter_contact.h), the force across its way in the last step is, at E.
 //
 // The simulated arm can differ from the URDF, and τ_a from the commanded torque: ModelErrors.
 // The drives clip τ_a to the URDF's effort limits and hold it for all integration steps of dt.
@@ -28,6 +29,7 @@
 #include "impedraw/common/pose.h"
 #include "impedraw/control/arm_terms.h"
 #include "impedraw/simulation/canvas_motion.h"
+#include "impedraw/simulation/cutter_contact.h"
 #include "impedraw/simulation/joint_drive.h"
 #include "impedraw/simulation/joint_springs.h"
 #include "impedraw/simulation/pad_contact.h"
@@ -159,6 +161,7 @@ class World {
   void find_touches() noexcept;
   void solve_impulses(const JointVector& v_free) noexcept;
   Vector6 press_pad() noexcept;
+  Eigen::Vector3d engage_cutter() noexcept;
 
   WorldSettings settings_;
   const Canvas* canvas_;
@@ -170,6 +173,8 @@ class World {
   TipContact contact_;
   TipTouches tip_touches_;
   std::optional<PadContact> pad_;
+  std::optional<CutterContact> cutter_;
+  Eigen::Vector3d cut_side_W_ = Eigen::Vector3d::Zero();  // across the cutter's way [N]
   JointDrive drive_;
   std::optional<JointSprings> springs_;
   TipLine line_;

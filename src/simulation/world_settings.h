@@ -1,6 +1,6 @@
 // Settings of the simulated world, apart from what simulates: a scenario has them, and its reader
 // need not link the simulator. Each is explained where it is used: tip_contact.h, pad_contact.h,
-// joint_sensor.h, joint_springs.h, wrench_sensor.h, canvas_motion.h, world.h.
+// cut_forces.h, joint_sensor.h, joint_springs.h, wrench_sensor.h, canvas_motion.h, world.h.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "impedraw/common/range.h"
+#include "impedraw/simulation/cut_forces.h"
 
 namespace impedraw {
 
@@ -247,13 +248,14 @@ struct WorldSettings {
   double dt = 1e-3;  // of a control step, over which the torque is held [s]
   int substeps = 1;  // integration steps in each
   TipMaterial tip;
-  std::optional<PadSettings> pad;    // instead of the tip's ball
-  double joint_friction = 0.0;       // dry friction, equal on every joint: ± [Nm]
-  double gravity = 9.81;             // along −z [m/s²]
-  ModelErrors errors;                // differences from the URDF
-  JointSpringSettings joint_spring;  // replace errors.rotor_inertia
-  JointSensorSettings joint_sensor;  // read by the simulated arm
-  bool flange_sensor = false;        // enables flange_wrench()
+  std::optional<PadSettings> pad;        // instead of the tip's ball
+  std::optional<CutterSettings> cutter;  // at its lowest point
+  double joint_friction = 0.0;           // dry friction, equal on every joint: ± [Nm]
+  double gravity = 9.81;                 // along −z [m/s²]
+  ModelErrors errors;                    // differences from the URDF
+  JointSpringSettings joint_spring;      // replace errors.rotor_inertia
+  JointSensorSettings joint_sensor;      // read by the simulated arm
+  bool flange_sensor = false;            // enables flange_wrench()
 
   struct Limits {
     static constexpr Limit joint_friction = {"joint_friction", "Nm", {0.0, 50.0}};

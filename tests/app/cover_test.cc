@@ -27,8 +27,8 @@ class Cover : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  int run(const std::string& arguments) {
-    const std::string command = std::string(IMPEDRAW) + " cover --out " + folder_.string() +
+  int run(const std::string& arguments, const std::string& what = "cover") {
+    const std::string command = std::string(IMPEDRAW) + " " + what + " --out " + folder_.string() +
                                 "/run " + arguments + " > " + folder_.string() + "/out 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));
   }
@@ -66,6 +66,24 @@ TEST_F(Cover, KnowsWhatAHandHindered) {
   const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
   EXPECT_GT(metrics["treated_share"], 0.995);
   EXPECT_EQ(metrics["unsaid_share"], 0.0);
+}
+
+// A groove in a material that is a fifth harder than believed, and in a fifth softer.
+TEST_F(Cover, AnEngraverHoldsItsDepth) {
+  for (const std::string hardness : {"1.2", "0.8"}) {
+    ASSERT_EQ(run("scenarios/bowl-engrave-real.yaml --set drawing.shape=circle "
+                  "--set tool.hardness=" +
+                      hardness + " --overwrite",
+                  "draw"),
+              0)
+        << said();
+    const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+    EXPECT_LT(metrics["depth_error_rms"], 0.03) << hardness;
+    EXPECT_NEAR(metrics["depth_mean"], 0.3, 0.01) << hardness;
+    EXPECT_EQ(metrics["coverage"], 1.0);
+  }
+  EXPECT_EQ(run("scenarios/bowl-sine-blind.yaml --set tool.kind=engraver --overwrite", "draw"), 2);
+  EXPECT_NE(said().find("tool.kind: an engraver holds its depth"), std::string::npos) << said();
 }
 
 // Of both parts of the run, and as `report` computes them again.

@@ -9,6 +9,7 @@ namespace impedraw {
 
 ForceProfile::ForceProfile(const PlacedStroke& stroke, double steepest) {
   if (stroke.force.empty()) return;
+  depth_ = stroke.depth;
   const StrokeRuler ruler(stroke);
   const auto steps =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(ruler.length() / kStep)));
@@ -31,7 +32,7 @@ ForceProfile::ForceProfile(const PlacedStroke& stroke, double steepest) {
 
 ForceSample ForceProfile::at(double s) const noexcept {
   if (force_.empty()) return {};
-  if (force_.size() == 3) return {force_[0], 0.0};
+  if (force_.size() == 3) return {force_[0], 0.0, depth_};
   const double u = std::clamp((s - from_) / step_, 0.0, static_cast<double>(force_.size() - 3));
   const auto i = std::min(static_cast<std::size_t>(u), force_.size() - 4);
   const double t = u - static_cast<double>(i), r = 1.0 - t;
@@ -41,7 +42,8 @@ ForceSample ForceProfile::at(double s) const noexcept {
               6.0,
           (-r * r * c[0] + (3.0 * t * t - 4.0 * t) * c[1] - (3.0 * r * r - 4.0 * r) * c[2] +
            t * t * c[3]) /
-              (2.0 * step_)};
+              (2.0 * step_),
+          depth_};
 }
 
 double ForceProfile::spread_length(double less) const noexcept {

@@ -16,6 +16,7 @@ namespace impedraw {
 struct ForceSample {
   double force = 0.0;  // [N]; 0: none of its own
   double slope = 0.0;  // dF/ds [N/m]
+  double depth = 0.0;  // of the stroke [m]
 };
 
 class ForceProfile {
@@ -33,7 +34,7 @@ class ForceProfile {
   double spread_length(double less) const noexcept;
 
  private:
-  double from_ = 0.0, step_ = kStep;
+  double from_ = 0.0, step_ = kStep, depth_ = 0.0;
   std::vector<double> force_;     // coefficients [N]: those of the ends stand twice
   std::vector<double> withheld_;  // asked less force, at each [N]
 };

@@ -97,6 +97,7 @@ PathSample TipPath::at(double t) const noexcept {
     }
   }
   reference.force = force.force;
+  reference.depth = force.depth;
   if (leg.turn.duration() > 0) {
     const SpeedState turn = leg.turn.at(since);
     reference.n_WD = std::cos(turn.x) * leg.n + std::sin(turn.x) * leg.turn_axis.cross(leg.n);

@@ -151,6 +151,7 @@ class Follower {
     part_.number = number_;
     part_.start = wrapped_length_;
     part_.speed = stroke_->speed;
+    part_.depth = stroke_->depth;
     if (page_length_ == 0.0) {
       part_.wait = stroke_->wait;
       part_.pause = stroke_->pause;
