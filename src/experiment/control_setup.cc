@@ -1,7 +1,6 @@
 #include "impedraw/experiment/control_setup.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <vector>
 

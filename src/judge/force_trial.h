@@ -28,8 +28,8 @@ namespace impedraw {
 
 enum class ForceController {
   ours,       // this program's (control/impedance.h)
-  crisp,      // crisp_law.h
-  impedance,  // feedforward_law.h
+  crisp,      // peer_laws.h
+  impedance,  // peer_laws.h
 };
 inline constexpr std::string_view kForceControllerNames[] = {"ours", "crisp", "impedance"};
 // As the page calls them.

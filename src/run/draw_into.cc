@@ -10,7 +10,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
-#include "impedraw/experiment/picture_of_plan.h"
+#include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/run/folder_lock.h"
