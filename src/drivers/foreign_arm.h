@@ -41,7 +41,8 @@ class ForeignArm : public Driver {
 
 // Limits of a session with the arm: the model's torques; somewhat more than its speeds, since the
 // arm's own limit comes first, with a reflex that can be recovered from; nine tenths of the
-// `external` torques at which the arm ends a session itself [Nm]; damping and inertia at the posture.
+// `external` torques at which the arm ends a session itself [Nm]. Damping and inertia are those at
+// the posture.
 SessionSettings session_settings(const ArmSettings& settings, ArmModel arm,
                                  const JointVector& posture, std::span<const double> external);
 
