@@ -15,7 +15,7 @@
 
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/place_auto.h"
-#include "impedraw/experiment/preflight_of_plan.h"
+#include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/settings/yaml_read.h"
 #include "processor_time.h"

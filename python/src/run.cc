@@ -19,7 +19,7 @@
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/run/simulated_run.h"
-#include "impedraw/settings/json_schema.h"
+#include "impedraw/settings/settings_doc.h"
 #include "impedraw/terminal/clock.h"
 #include "module.h"
 

@@ -1,7 +1,6 @@
 #include "impedraw/app/arm.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>

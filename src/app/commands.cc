@@ -1,7 +1,6 @@
 #include "impedraw/app/commands.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <sstream>
 
@@ -24,7 +23,6 @@
 #include "impedraw/run/run_inputs.h"
 #include "impedraw/run/simulated_arm.h"
 #include "impedraw/run/simulated_run.h"
-#include "impedraw/settings/json_schema.h"
 #include "impedraw/settings/settings_doc.h"
 #include "impedraw/settings/yaml_read.h"
 #include "impedraw/settings/yaml_write.h"

@@ -1,4 +1,5 @@
-// The program's commands. Each returns the exit code.
+// The program's commands. Each returns the exit code. Those of an arm that is not simulated here
+// are in arm.h.
 #pragma once
 
 #include <filesystem>
@@ -32,5 +33,78 @@ int calibrate_tool(const DrawOptions& options,
 // Every setting: for a terminal, as docs/settings.md, or as docs/scenario.schema.json.
 enum class SettingsForm { users, all, markdown, json_schema };
 int print_settings(SettingsForm form);
+
+// The command `cover`: treats an area with a pad.
+
+// Leaves the results of a drawing (its strokes are cover.csv), cover.json and cover.png;
+// metrics.json has the area's metrics, too. Returns the exit code. Throws InputError before
+// anything moves.
+int cover(const DrawOptions& options, const std::filesystem::path& region, bool table);
+
+// Commissioning an arm, step by step (docs/commissioning.md). Each step leaves what it found in
+// commissioning.json of a folder, and refuses to begin without the steps before it:
+//
+//   latency → friction → touch (often) → pen-length → register
+//   camera-latency, at any time
+//
+// All but touch, pen-length and register move the arm, in the air, by little. `draw --commissioned`
+// takes the results.
+
+// All return kFinished, and throw where a result is implausible; then nothing is written.
+int commission_latency(const DrawOptions& options, const std::filesystem::path& folder);
+int commission_friction(const DrawOptions& options, const std::filesystem::path& folder);
+// The cameras' latency and the error of their time stamps, while the canvas moves as the scenario's
+// canvas.motion says: a device that is known to. Needs no step before it.
+int commission_camera_latency(const DrawOptions& options, const std::filesystem::path& folder,
+                              double seconds);
+// Notes the tip's pose at rest, led there by hand or brought by another program. `mark`: "pen" for
+// a touch of the one point of pen-length, or "X,Y" or "X,Y,Z", where a mark of the page or of the
+// mesh is [m].
+int commission_touch(const DrawOptions& options, const std::filesystem::path& folder,
+                     const std::string& mark);
+int commission_pen_length(const std::filesystem::path& folder);
+int commission_register(const std::filesystem::path& folder);
+
+// The options with what was found as settings before those of the command line: the loop's delay,
+// and, for a mesh, the pose of the page. Says what it takes. Throws InputError for a folder of
+// another arm, one without a delay, and a pen of another length than the URDF's.
+DrawOptions with_commissioning(DrawOptions options, const std::filesystem::path& folder);
+
+// ./impedraw judge-force: the force benchmark (docs/force.md).
+
+struct JudgeForceOptions {
+  // sim, iiwa-lcm or franka: who moves the arm. Or the simulated arm itself: iiwa, an arm of
+  // models/arms, or a URDF file.
+  std::string arm = "sim";
+  std::vector<std::string> controllers;  // empty: all
+  std::vector<std::string> cases;        // empty: all
+  int runs = 5;
+  std::filesystem::path sensor;  // readings under the workpiece (SensorFile); empty: the arm's own
+};
+
+// Leaves force.json and force.html in options.out, by default runs/judge-force. Ctrl-C keeps what
+// was run. Returns the exit code.
+int judge_force(DrawOptions options, const JudgeForceOptions& judged);
+
+// ./impedraw place: a page on 127.0.0.1 that shows the object, on which the drawing is dragged,
+// turned and scaled, and tells at once what of it can be drawn. Saving writes a scenario.
+//
+// Questions of the page, and of anybody without one (--headless), each with a placement
+// {"x", "y": of the drawing's middle in the drawing plane [m], "turn": from the given one [deg],
+// "size": times the given one}:
+//   check   what of it can be drawn, quickly:
+//           {"share", "length_mm", "time_s", "width_mm", "height_mm", "lost_mm": {trouble: mm}}
+//   plan    the same share, by the whole pre-flight, which takes seconds: {"share"}
+//   save    writes the scenario: {"file"}; "overwrite": true replaces a file that is there
+//   end     ends the command
+
+struct PlaceOptions {
+  std::filesystem::path save = "placed.yaml";
+  int port = 0;           // 0: a free one
+  bool headless = false;  // no browser is opened
+};
+
+// options.scenario may name a mesh in place of a scenario. Returns at ctrl-C or `end`.
+int place_by_hand(DrawOptions options, const PlaceOptions& place);
 
 }  // namespace impedraw

@@ -1,14 +1,12 @@
-#include "impedraw/app/commission.h"
+#include "impedraw/app/commands.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <functional>
 #include <memory>
 #include <numbers>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "impedraw/app/cover.h"
+#include "impedraw/app/commands.h"
 
 #include <cmath>
 #include <fstream>
@@ -15,7 +15,7 @@
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/files/durable_file.h"
-#include "impedraw/log/visit_rows.h"
+#include "impedraw/log/run_rows.h"
 #include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/report/cover_picture.h"
 #include "impedraw/run/results.h"

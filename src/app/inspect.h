@@ -19,8 +19,16 @@ namespace impedraw {
 // Throws InputError like read_artwork(). An empty drawing is a warning, not an error.
 nlohmann::ordered_json describe_artwork(const std::filesystem::path& file);
 
-// Prints what an artwork, a cloud or, by its name's ending, a mesh holds (app/inspect_mesh.h), as
+// Prints what an artwork, a cloud or, by its name's ending, a mesh holds (app/inspect.h), as
 // JSON or as lines to be read. Returns the exit code.
 int inspect(const std::filesystem::path& file, bool json, const MeshReading& reading = {});
+
+// Describes the contents of a mesh file.
+
+// triangles: as in the file, polygons cut. Of the merged and repaired surface
+// (canvas/mesh_check.h), in the file's own pose with z up: bbox_m [x0, y0, z0, x1, y1, z1],
+// area_m2, closed, components, slope_max_deg (largest angle of a facet's normal to +z, 0 to 180),
+// warnings [line], faults [{kind, count, first, repaired, message}]. InputError as load_mesh.
+nlohmann::ordered_json describe_mesh(const std::filesystem::path& file, const MeshReading& reading);
 
 }  // namespace impedraw

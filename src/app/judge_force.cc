@@ -1,4 +1,4 @@
-#include "impedraw/app/judge_force.h"
+#include "impedraw/app/commands.h"
 
 #include <algorithm>
 
@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include "impedraw/app/arm.h"
-#include "impedraw/app/commands.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/files/data_folder.h"

@@ -1,4 +1,4 @@
-#include "impedraw/app/place.h"
+#include "impedraw/app/commands.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "impedraw/app/commands.h"
 #include "impedraw/canvas/mesh_file.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/place_surface.h"

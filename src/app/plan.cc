@@ -1,17 +1,11 @@
 #include "impedraw/experiment/plan_summary.h"
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "impedraw/app/commands.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/page_context.h"
 #include "impedraw/experiment/page_of_plan.h"
-#include "impedraw/experiment/picture_of_plan.h"
 #include "impedraw/experiment/plan_limits.h"
 #include "impedraw/experiment/preview_of.h"
 #include "impedraw/files/durable_file.h"

@@ -1,5 +1,5 @@
 // Built-in rough canvases, for measuring what the pen can follow: a height h(x, y) over a rectangle
-// (built_in_graphs.h), with a root-mean-square slope s (s = tan of `slope`) and a length λ.
+// (built_in.h), with a root-mean-square slope s (s = tan of `slope`) and a length λ.
 //
 // fractal  Σ a_i sin(k_i (x cos β_i + y sin β_i) + φ_i): wavelengths from λ to kLongest, a_i ∝
 //          λ_i^0.8 as on a fractal of dimension 2.2, scaled to √(Σ a_i² k_i²/2) = s
@@ -16,7 +16,7 @@
 // machine, to rounding. Cells are at most λ/4 wide, so that the mesh shows the shape.
 #pragma once
 
-#include "impedraw/canvas/built_in_graphs.h"
+#include "impedraw/canvas/built_in.h"
 
 namespace impedraw {
 

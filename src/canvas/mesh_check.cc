@@ -12,10 +12,9 @@
 
 #include "impedraw/canvas/disjoint_sets.h"
 #include "impedraw/canvas/half_edges.h"
-#include "impedraw/canvas/merge_vertices.h"
 #include "impedraw/canvas/mesh_file.h"
+#include "impedraw/canvas/mesh_repair.h"
 #include "impedraw/canvas/mesh_topology.h"
-#include "impedraw/canvas/mesh_winding.h"
 #include "impedraw/common/errors.h"
 
 namespace impedraw {

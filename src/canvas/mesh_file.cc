@@ -1,6 +1,5 @@
 #include "impedraw/canvas/mesh_file.h"
 
-#include <algorithm>
 #include <iterator>
 
 #include <fmt/format.h>

@@ -2,7 +2,6 @@
 #include <cstring>
 #include <map>
 #include <set>
-#include <utility>
 
 #include <assimp/BaseImporter.h>
 #include <assimp/MemoryIOWrapper.h>

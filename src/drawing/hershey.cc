@@ -34,6 +34,22 @@ const Glyph* HersheyFont::find(char32_t c) const {
   return glyph.strokes.empty() && c != ' ' ? nullptr : &glyph;
 }
 
+Glyph hershey_glyph(std::string_view codes, std::vector<std::vector<Vector2d>> more) {
+  Glyph glyph{static_cast<double>(codes[0] - 'R'), static_cast<double>(codes[1] - 'R'), {}};
+  bool down = false;
+  for (std::size_t i = 2; i < codes.size(); i += 2) {
+    if (codes[i] == ' ' && codes[i + 1] == 'R') {
+      down = false;
+      continue;
+    }
+    if (!down) glyph.strokes.emplace_back();
+    down = true;
+    glyph.strokes.back().emplace_back(codes[i] - 'R', codes[i + 1] - 'R');
+  }
+  glyph.strokes.insert(glyph.strokes.end(), more.begin(), more.end());
+  return glyph;
+}
+
 HersheyFont parse_jhf(std::string_view text, const std::string& name) {
   HersheyFont font{name, {}};
   const auto fail = [&](const std::string& what) {
@@ -59,17 +75,7 @@ HersheyFont parse_jhf(std::string_view text, const std::string& name) {
     }
     if (codes.size() < 2 * static_cast<std::size_t>(pairs))
       fail("the file ends before its last pair");
-    Glyph glyph{static_cast<double>(codes[0] - 'R'), static_cast<double>(codes[1] - 'R'), {}};
-    bool down = false;
-    for (std::size_t i = 2; i < codes.size(); i += 2) {
-      if (codes[i] == ' ' && codes[i + 1] == 'R') {
-        down = false;
-        continue;
-      }
-      if (!down) glyph.strokes.emplace_back();
-      down = true;
-      glyph.strokes.back().emplace_back(codes[i] - 'R', codes[i + 1] - 'R');
-    }
+    Glyph glyph = hershey_glyph(codes);
     // Without a width, as in rowmant's J, the ink determines it.
     if (!glyph.strokes.empty() && glyph.right <= glyph.left) {
       const Eigen::AlignedBox2d ink = glyph.box();

@@ -37,6 +37,9 @@ struct HersheyFont {
   const Glyph* find(char32_t c) const;  // null if the font has no such glyph
 };
 
+// A glyph as a .jhf file has it: left and right edge, then points, each as two characters, 'R' for
+// 0; " R" lifts the pen. `more`: strokes that are no points of the grid.
+Glyph hershey_glyph(std::string_view codes, std::vector<std::vector<Eigen::Vector2d>> more = {});
 // InputError names the glyph at which the text is not valid .jhf.
 HersheyFont parse_jhf(std::string_view text, const std::string& name);
 

@@ -1,9 +1,7 @@
 #include "impedraw/drawing/letters.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
-#include <sstream>
 #include <utility>
 
 #include <fmt/core.h>
@@ -89,36 +87,7 @@ constexpr const char32_t* kMovedTogether[] = {U"æae", U"ÆAE", U"œoe", U"ŒOE"
 
 struct DrawnLetter {
   char32_t letter;
-  double left, right;
-  // "x y x y / x y": the points of strokes; "o x y r" is a circle. Proportions follow the plain
-  // fonts: x height from −5, stems on integers.
-  const char* strokes;
-};
-constexpr DrawnLetter kDrawnHere[] = {
-    {U'ß', -10, 9,
-     "-6 9 -6 -7 -5 -10 -3 -12 0 -12 3 -11 4 -9 4 -7 3 -5 0 -3 3 -2 5 0 6 3 5 6 3 8 1 9 -1 9 -2 8"},
-    {U'þ', -9, 10,
-     "-5 -12 -5 16 / -5 -2 -3 -4 -1 -5 2 -5 4 -4 6 -2 7 1 7 3 6 6 4 8 2 9 -1 9 -3 8 -5 6"},
-    {U'Þ', -11, 10, "-7 -12 -7 9 / -7 -7 2 -7 5 -6 6 -5 7 -3 7 0 6 2 5 3 2 4 -7 4"},
-    {U'ð', -10, 10,
-     "5 -1 3 -4 0 -5 -3 -4 -5 -2 -6 1 -6 3 -5 6 -3 8 -1 9 1 9 3 8 5 6 6 3 6 0 5 -4 3 -8 1 -10 -3 "
-     "-12 / -3 -7 5 -11"},
-    {U'ŋ', -9, 10, "-5 -5 -5 9 / -5 -1 -2 -4 0 -5 3 -5 5 -4 6 -1 6 12 5 15 3 16 1 16"},
-    {U'Ŋ', -11, 11, "-7 -12 -7 9 / -7 -7 -3 -11 0 -12 3 -12 6 -10 7 -7 7 11 6 14 4 16 1 16"},
-    {U'ſ', -4, 6, "-1 9 -1 -8 0 -11 2 -12 4 -12"},
-    {U'ĸ', -8, 8, "-4 -5 -4 9 / 6 -5 -4 5 / 0 1 6 9"},
-    {U'µ', -9, 10, "-5 -5 -5 16 / -5 5 -4 8 -2 9 1 9 3 8 6 5 / 6 -5 6 9"},
-    {U'€', -11, 10,
-     "8 -9 5 -11 2 -12 -1 -11 -4 -8 -5 -4 -5 1 -4 5 -1 8 2 9 5 8 8 6 / -9 -3 4 -3 / -9 1 3 1"},
-    {U'°', -5, 5, "o 0 -9 3"},
-    {U'·', -4, 4, "o 0 -1 1"},
-    {U'×', -11, 11, "-7 -7 7 7 / 7 -7 -7 7"},
-    {U'÷', -13, 13, "-9 0 9 0 / o 0 -6 1 / o 0 6 1"},
-    {U'±', -13, 13, "0 -11 0 5 / -8 -3 8 -3 / -8 9 8 9"},
-    {U'«', -8, 8, "0 -4 -5 2 0 8 / 5 -4 0 2 5 8"},
-    {U'»', -8, 8, "0 -4 5 2 0 8 / -5 -4 0 2 -5 8"},
-    {U'‹', -6, 6, "3 -4 -2 2 3 8"},
-    {U'›', -6, 6, "-3 -4 2 2 -3 8"},
+  Glyph glyph;
 };
 
 Line circle(const Vector2d& centre, double radius) {
@@ -130,24 +99,31 @@ Line circle(const Vector2d& centre, double radius) {
   return line;
 }
 
-Glyph glyph_of(const DrawnLetter& letter) {
-  Glyph glyph{letter.left, letter.right, {{}}};
-  std::istringstream in(letter.strokes);
-  for (std::string word; in >> word;) {
-    Vector2d p;
-    double radius = 0;
-    if (word == "/") {
-      glyph.strokes.emplace_back();
-    } else if (word == "o") {
-      in >> p.x() >> p.y() >> radius;
-      glyph.strokes.back() = circle(p, radius);
-    } else {
-      in >> p.y();
-      p.x() = std::stod(word);
-      glyph.strokes.back().push_back(p);
-    }
-  }
-  return glyph;
+// In the fonts' own format. Proportions follow the plain fonts: x height from −5, stems on
+// integers.
+const std::vector<DrawnLetter>& drawn_here() {
+  static const std::vector<DrawnLetter> all = {
+      {U'ß', hershey_glyph("H[L[LKMHOFRFUGVIVKUMROUPWRXUWXUZS[Q[PZ")},
+      {U'þ', hershey_glyph("I\\MFMb RMPONQMTMVNXPYSYUXXVZT[Q[OZMX")},
+      {U'Þ', hershey_glyph("G\\KFK[ RKKTKWLXMYOYRXTWUTVKV")},
+      {U'ð', hershey_glyph("H\\WQUNRMONMPLSLUMXOZQ[S[UZWXXUXRWNUJSHOF ROKWG")},
+      {U'ŋ', hershey_glyph("I\\MMM[ RMQPNRMUMWNXQX^WaUbSb")},
+      {U'Ŋ', hershey_glyph("G]KFK[ RKKOGRFUFXHYKY]X`VbSb")},
+      {U'ſ', hershey_glyph("NXQ[QJRGTFVF")},
+      {U'ĸ', hershey_glyph("JZNMN[ RXMNW RRSX[")},
+      {U'µ', hershey_glyph("I\\MMMb RMWNZP[S[UZXW RXMX[")},
+      {U'€', hershey_glyph("G\\ZIWGTFQGNJMNMSNWQZT[WZZX RIOVO RISUS")},
+      {U'°', hershey_glyph("MW", {circle({0, -9}, 3)})},
+      {U'·', hershey_glyph("NV", {circle({0, -1}, 1)})},
+      {U'×', hershey_glyph("G]KKYY RYKKY")},
+      {U'÷', hershey_glyph("E_IR[R", {circle({0, -6}, 1), circle({0, 6}, 1)})},
+      {U'±', hershey_glyph("E_RGRW RJOZO RJ[Z[")},
+      {U'«', hershey_glyph("JZRNMTRZ RWNRTWZ")},
+      {U'»', hershey_glyph("JZRNWTRZ RMNRTMZ")},
+      {U'‹', hershey_glyph("LXUNPTUZ")},
+      {U'›', hershey_glyph("LXONTTOZ")},
+  };
+  return all;
 }
 
 // A mark above a letter, with the middle of its foot at (0, 0).
@@ -292,8 +268,8 @@ std::optional<Glyph> plain_glyph(const HersheyFont& font, char32_t letter) {
   for (const char32_t* pair : kMovedTogether) {
     if (pair[0] == letter) return row_of(font, pair + 1, true);
   }
-  for (const DrawnLetter& drawn : kDrawnHere) {
-    if (drawn.letter == letter) return glyph_of(drawn);
+  for (const DrawnLetter& drawn : drawn_here()) {
+    if (drawn.letter == letter) return drawn.glyph;
   }
   return std::nullopt;
 }

@@ -13,7 +13,7 @@
 #include "impedraw/common/input_file.h"
 #include "impedraw/drawing/bounded.h"
 #include "impedraw/drawing/doubles.h"
-#include "impedraw/drawing/flatten.h"
+#include "impedraw/drawing/svg_subpaths.h"
 #include "impedraw/drawing/usvg/impedraw_usvg.h"
 #include "impedraw/drawing/visible.h"
 
@@ -21,8 +21,6 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-// tolerance for two pieces of one arc to share an ellipse, relative to its size
-constexpr double kSameArc = 1e-5;
 constexpr double kSamePoint = 1e-6;   // [mm]
 constexpr double kSameLine = 1e-3;    // distance of lines drawn once, of the drawing's diagonal,
 constexpr double kSameLineMm = 0.1;   // and at most
@@ -30,126 +28,6 @@ constexpr double kSeconds = 12;       // of CPU time to find what is hidden
 constexpr std::size_t kMostPens = 8;  // colours that become layers by themselves
 constexpr unsigned kWhite = 250;      // least red, green and blue of white
 constexpr double kSamePage = 1e-4;    // of a white page's edge to the page's, of its diagonal
-
-struct Segment {
-  ImpedrawSvgVerb verb;
-  Vector2d p[3];
-  const Vector2d& end() const {
-    return p[verb == IMPEDRAW_SVG_CUBIC ? 2 : verb == IMPEDRAW_SVG_QUAD ? 1 : 0];
-  }
-};
-
-struct Subpath {
-  Vector2d start;
-  std::vector<Segment> segments;
-  bool closed = false;
-  const ImpedrawSvgPath* path = nullptr;
-};
-
-std::vector<Subpath> subpaths_of(const ImpedrawSvg& svg, const std::string& name) {
-  std::vector<Subpath> all;
-  const std::uint8_t* verb = svg.verbs;
-  const double* xy = svg.points;
-  const auto point = [&]() {
-    const Vector2d p(xy[0], xy[1]);
-    if (!(p.cwiseAbs().maxCoeff() <= kFarthest)) {
-      throw InputError(fmt::format("{}: a point at ({:.3g}, {:.3g}) mm lies beyond ± {:.0e} mm",
-                                   name, p.x(), p.y(), kFarthest));
-    }
-    xy += 2;
-    return p;
-  };
-  for (std::size_t i = 0; i < svg.path_count; ++i) {
-    bool open = false;
-    for (const std::uint8_t* end = verb + svg.paths[i].verbs; verb != end; ++verb) {
-      const auto v = static_cast<ImpedrawSvgVerb>(*verb);
-      if (v == IMPEDRAW_SVG_MOVE || !open) {
-        // After a close, drawing continues from the start of that subpath.
-        const Vector2d start = v == IMPEDRAW_SVG_MOVE ? point() : all.back().start;
-        all.push_back({start, {}, false, &svg.paths[i]});
-        open = true;
-        if (v == IMPEDRAW_SVG_MOVE) continue;
-      }
-      if (v == IMPEDRAW_SVG_CLOSE) {
-        all.back().closed = true;
-        open = false;
-        continue;
-      }
-      Segment segment{v, {}};
-      for (int k = 0; k < v; ++k) segment.p[k] = point();  // line 1, quadratic 2, cubic 3 points
-      all.back().segments.push_back(segment);
-    }
-  }
-  return all;
-}
-
-// Of what is painted.
-Eigen::AlignedBox2d box_of(const std::vector<Subpath>& subpaths) {
-  Eigen::AlignedBox2d box;
-  for (const Subpath& s : subpaths) {
-    if (s.path->shapes > 0) continue;
-    box.extend(s.start);
-    for (const Segment& segment : s.segments) box.extend(segment.end());
-  }
-  return box;
-}
-
-// True if `next` continues along the ellipse of `arc`.
-bool continues(const EllipseArc& arc, const EllipseArc& next) {
-  if (next.angle == 0) return false;
-  const double size = std::max(arc.u.norm(), arc.v.norm());
-  const Vector2d u = std::cos(arc.angle) * arc.u + std::sin(arc.angle) * arc.v;
-  const Vector2d v = -std::sin(arc.angle) * arc.u + std::cos(arc.angle) * arc.v;
-  return (arc.centre - next.centre).norm() + (u - next.u).norm() + (v - next.v).norm() <
-             30 * kSameArc * size &&
-         std::abs(arc.angle - next.angle) < 100 * kSameArc;
-}
-
-void require_few(std::size_t points, const FlattenSettings& settings, const std::string& name) {
-  if (points <= kMostPoints) return;
-  throw InputError(
-      fmt::format("{}: its curves take more than {} points at a tolerance of {:.2g} mm", name,
-                  kMostPoints, settings.tolerance));
-}
-
-// usvg converts circles, ellipses, rounded corners and arcs to cubics, which are off by up to
-// 2.7e-4 of the radius. Two or more consecutive cubics on one ellipse are replaced by the arc that
-// they approximate. A single one stays as it is: it may be a cubic of the author's own.
-std::vector<Vector2d> flatten(const Subpath& subpath, const FlattenSettings& settings,
-                              const std::string& name) {
-  std::vector<Vector2d> line{subpath.start};
-  const auto& segments = subpath.segments;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    require_few(line.size(), settings, name);
-    const Segment& s = segments[i];
-    const Vector2d from = i == 0 ? subpath.start : segments[i - 1].end();
-    if (s.verb == IMPEDRAW_SVG_LINE) line.push_back(s.p[0]);
-    if (s.verb == IMPEDRAW_SVG_QUAD) flatten_quadratic(from, s.p[0], s.p[1], settings, line);
-    if (s.verb != IMPEDRAW_SVG_CUBIC) continue;
-    const auto arc_at = [&](std::size_t k) {
-      const Vector2d a = k == 0 ? subpath.start : segments[k - 1].end();
-      return segments[k].verb == IMPEDRAW_SVG_CUBIC
-                 ? arc_of_cubic(a, segments[k].p[0], segments[k].p[1], segments[k].p[2])
-                 : EllipseArc{};
-    };
-    std::size_t last = i;
-    for (EllipseArc arc = arc_at(i); arc.angle > 0 && last + 1 < segments.size(); ++last) {
-      const EllipseArc next = arc_at(last + 1);
-      if (!continues(arc, next)) break;
-      arc = next;
-    }
-    if (last == i) {
-      flatten_cubic(from, s.p[0], s.p[1], s.p[2], settings, line);
-      continue;
-    }
-    for (; i <= last; ++i) {
-      flatten_arc(arc_at(i), settings, line);
-      line.back() = segments[i].end();
-    }
-    --i;
-  }
-  return line;
-}
 
 bool has_area(const std::vector<Vector2d>& line) {
   const Vector2d& origin = line.front();
@@ -211,7 +89,7 @@ std::map<std::uint32_t, int> colour_layers(const ImpedrawSvg& svg, LayerSource s
 }
 
 // The subpath as a stroke; without points if nothing is visible.
-Stroke stroke_of(const Subpath& subpath, std::vector<Vector2d> line, bool stroked) {
+Stroke stroke_of(const SvgSubpath& subpath, std::vector<Vector2d> line, bool stroked) {
   Stroke stroke;
   stroke.layer = static_cast<int>(subpath.path->layer);
   stroke.edge = !stroked;
@@ -246,7 +124,7 @@ Area area_of(const std::vector<std::vector<Vector2d>>& lines, const ImpedrawSvgP
 // Index of the path's dash in `dashes`; −1 if it has none, or if its transform leaves no length
 // to measure. A pathLength stretches the dashes (SVG 2, 9.6.1); if it is 0, the line is solid.
 int add_dash(const ImpedrawSvgPath& path, const double* lengths,
-             const std::vector<std::vector<Vector2d>>& lines, const Subpath* subpaths,
+             const std::vector<std::vector<Vector2d>>& lines, const SvgSubpath* subpaths,
              std::vector<Dash>& dashes) {
   if (path.dash_count == 0 || path.path_length == 0) return -1;
   const double* t = path.transform;
@@ -329,6 +207,49 @@ void look_at(Painting painting, bool as_painted, Artwork& artwork) {
     artwork.warnings.push_back("clip paths and masks are passed over: what they hide is drawn");
 }
 
+struct LeftOut {
+  std::map<std::string, std::size_t> off;  // strokes, by layer
+  std::size_t grounds = 0, flat = 0, white = 0;
+  Vector2d first_flat = Vector2d::Zero();
+};
+
+void tell_white_and_off(const LeftOut& left_out, Artwork& artwork) {
+  if (left_out.white > 0) {
+    artwork.warnings.push_back(fmt::format("{} white shape{} left out, as white is the paper",
+                                           left_out.white, left_out.white == 1 ? "" : "s"));
+  }
+  for (const auto& [layer, strokes] : left_out.off)
+    artwork.warnings.push_back(fmt::format("the layer '{}' is off (%): {} stroke{} left out", layer,
+                                           strokes, strokes == 1 ? "" : "s"));
+}
+
+void tell_grounds_and_flat(const LeftOut& left_out, Artwork& artwork) {
+  if (left_out.grounds > 0) {
+    artwork.warnings.push_back(
+        fmt::format("{} white rectangle{} over the whole page: left out, because the page's "
+                    "background is not drawn",
+                    left_out.grounds, left_out.grounds == 1 ? "" : "s"));
+  }
+  if (left_out.flat > 0) {
+    artwork.warnings.push_back(fmt::format(
+        "{} filled shape{} left out, as {} no area (the first at {:.4g}, {:.4g} mm)", left_out.flat,
+        left_out.flat == 1 ? "" : "s", left_out.flat == 1 ? "it encloses" : "they enclose",
+        left_out.first_flat.x(), left_out.first_flat.y()));
+  }
+}
+
+void require_strokes(const SvgSettings& settings, Artwork& artwork) {
+  const std::string nothing = "has nothing to draw: no visible path or shape";
+  if (artwork.strokes.empty() && !settings.may_be_empty) {
+    std::string why;
+    for (const std::string& warning : artwork.warnings)
+      why += (why.empty() ? " (" : "; ") + warning;
+    if (!why.empty()) why += ")";
+    throw InputError(fmt::format("{}: {}{}", artwork.name, nothing, why));
+  }
+  if (artwork.strokes.empty()) artwork.warnings.push_back(nothing);
+}
+
 }  // namespace
 
 Artwork parse_svg(std::string_view document, const std::string& name, const SvgSettings& settings) {
@@ -349,11 +270,11 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   artwork.layers.assign(svg->layers, svg->layers + svg->layer_count);
   artwork.warnings.assign(svg->warnings, svg->warnings + svg->warning_count);
 
-  const std::vector<Subpath> subpaths = subpaths_of(*svg, name);
+  const std::vector<SvgSubpath> subpaths = svg_subpaths(*svg, name);
   FlattenSettings flatten_settings;
   flatten_settings.turn = settings.turn;
   if (!subpaths.empty()) {
-    const double diagonal = box_of(subpaths).diagonal().norm();
+    const double diagonal = painted_box(subpaths).diagonal().norm();
     flatten_settings.tolerance =
         std::min(settings.tolerance_mm, std::max(settings.relative_tolerance * diagonal, 1e-6));
   }
@@ -361,7 +282,7 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   Painting painting;
   painting.paints.resize(svg->path_count);
   // Where something reaches beyond the page, the page clips what no other clip does.
-  const bool fits = grown(artwork.page).contains(box_of(subpaths));
+  const bool fits = grown(artwork.page).contains(painted_box(subpaths));
   const auto clip_of = [&](std::uint32_t clip) {
     return clip > 0 || !fits ? static_cast<int>(clip) : -1;
   };
@@ -377,9 +298,8 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     const auto found = by_colour.find(colour);
     return by_colour.empty() ? group : found == by_colour.end() ? 0 : found->second;
   };
-  std::map<std::string, std::size_t> off;  // strokes, by layer
-  std::size_t points = 0, grounds = 0, flat = 0, white = 0;
-  Vector2d first_flat = Vector2d::Zero();
+  LeftOut left_out;
+  std::size_t points = 0;
   const double* dash_lengths = svg->dashes;
   auto subpath = subpaths.begin();
   for (const ImpedrawSvgPath* path = svg->paths; path != svg->paths + svg->path_count; ++path) {
@@ -402,7 +322,7 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
                fills = path->filled && !is_white(path->fill), eraser = path->hides >= 2;
     const std::string group = svg->layers[path->layer];
     if (layer_marks(group).off) {
-      off[group] += lines.size();
+      left_out.off[group] += lines.size();
       continue;
     }
     paint = {{}, area_of(lines, *path), fills, path->hides != 0, path->hides_from};
@@ -414,21 +334,22 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     if (strokes && path->covers) paint.covers_from = path->covers_from;
     paint.area.layer = layer_of(path->fill, paint.area.layer);
     const bool ground = !eraser && is_ground(lines, *path, artwork.page);
-    grounds += ground;
+    left_out.grounds += ground;
     if (eraser || ground) continue;
     if (as_painted && !strokes && !fills) {
-      ++white;
+      ++left_out.white;
       continue;
     }
     for (std::size_t i = 0; i < lines.size(); ++i) {
-      const Subpath& outline = first_subpath[static_cast<std::ptrdiff_t>(i)];
+      const SvgSubpath& outline = first_subpath[static_cast<std::ptrdiff_t>(i)];
       Stroke stroke = stroke_of(outline, lines[i], strokes);
-      if (!path->stroked && stroke.points.empty() && !outline.segments.empty() && flat++ == 0)
-        first_flat = outline.start;
+      if (!path->stroked && stroke.points.empty() && !outline.segments.empty() &&
+          left_out.flat++ == 0)
+        left_out.first_flat = outline.start;
       stroke.dash = dash;
       stroke.layer = layer_of(stroke.colour, stroke.layer);
       points += stroke.points.size();
-      require_few(points, flatten_settings, name);
+      require_few_points(points, flatten_settings, name);
       stroke.points.shrink_to_fit();
       // A stroke leaves the side of a fill open that closes it.
       const bool is_open = as_painted && strokes && fills && !outline.closed &&
@@ -448,36 +369,11 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     }
   }
   look_at(std::move(painting), as_painted, artwork);
-  if (white > 0) {
-    artwork.warnings.push_back(fmt::format("{} white shape{} left out, as white is the paper",
-                                           white, white == 1 ? "" : "s"));
-  }
-  for (const auto& [layer, strokes] : off)
-    artwork.warnings.push_back(fmt::format("the layer '{}' is off (%): {} stroke{} left out", layer,
-                                           strokes, strokes == 1 ? "" : "s"));
+  tell_white_and_off(left_out, artwork);
   drop_empty_layers(artwork, true);
   order_layers(artwork);
-  if (grounds > 0) {
-    artwork.warnings.push_back(
-        fmt::format("{} white rectangle{} over the whole page: left out, because the page's "
-                    "background is not drawn",
-                    grounds, grounds == 1 ? "" : "s"));
-  }
-  if (flat > 0) {
-    artwork.warnings.push_back(
-        fmt::format("{} filled shape{} left out, as {} no area (the first at {:.4g}, {:.4g} mm)",
-                    flat, flat == 1 ? "" : "s", flat == 1 ? "it encloses" : "they enclose",
-                    first_flat.x(), first_flat.y()));
-  }
-  const std::string nothing = "has nothing to draw: no visible path or shape";
-  if (artwork.strokes.empty() && !settings.may_be_empty) {
-    std::string why;
-    for (const std::string& warning : artwork.warnings)
-      why += (why.empty() ? " (" : "; ") + warning;
-    if (!why.empty()) why += ")";
-    throw InputError(fmt::format("{}: {}{}", name, nothing, why));
-  }
-  if (artwork.strokes.empty()) artwork.warnings.push_back(nothing);
+  tell_grounds_and_flat(left_out, artwork);
+  require_strokes(settings, artwork);
   return artwork;
 }
 

@@ -1,7 +1,5 @@
 #include "impedraw/drawing/text.h"
 
-#include <cmath>
-
 #include <fmt/core.h>
 
 #include "impedraw/common/errors.h"

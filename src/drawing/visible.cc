@@ -7,7 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "impedraw/common/cross.h"
+#include "impedraw/drawing/covers.h"
+#include "impedraw/drawing/line_pieces.h"
 #include "impedraw/drawing/polyline.h"
 
 namespace impedraw {
@@ -19,7 +20,6 @@ constexpr double kHair = 3e-6;       // width of a border, relative to the drawi
 constexpr double kLevels = 255;      // of a mask's luminance
 constexpr std::size_t kMerged = 24;  // covers over one paint that are united for the next ones
 constexpr std::size_t kMostRegions = 500;  // of clips that are kept
-constexpr int kCells = 64;                 // of the index of covers, along each side
 constexpr double kCrossing = 1.0 / 300;    // of the diagonal: hidden by a stroke that it crosses
 constexpr double kSeam = 10;               // hairs beside a border that one colour has to fill
 constexpr std::size_t kMostCovering = 100'000;    // points of strokes that hide others
@@ -27,164 +27,9 @@ constexpr std::size_t kMostCompared = 2'000'000;  // points of strokes over the 
 constexpr std::size_t kMostRims = 64;             // strokes over one paint that leave it a rim
 constexpr double kThinRim = 0.02;  // of a stroke's width: what is left of it is too thin to draw
 
-// A part of a line, and the length before it.
-struct Piece {
-  std::vector<Vector2d> points;
-  double start = 0, length = 0;
-};
-
-// A point of a line, and a step to its side as long as a border is wide.
-struct Spot {
-  Vector2d p, side;
-  bool touches(const RegionIndex& r) const { return r.inside(p + side) || r.inside(p - side); }
-  bool within(const RegionIndex& r) const { return r.inside(p + side) && r.inside(p - side); }
-};
-
-// The parts of the line where visible(spot), which changes only where a side crosses an index.
-std::vector<Piece> visible_pieces(const std::vector<Vector2d>& line, double hair,
-                                  const std::vector<const RegionIndex*>& indices,
-                                  const std::function<bool(const Spot&)>& visible) {
-  std::vector<Piece> pieces;
-  if (line.size() == 1 && visible({line[0], Vector2d::Zero()})) pieces.push_back({line, 0, 0});
-  bool on = false;
-  double before = 0;
-  std::vector<double> at;
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const Vector2d &a = line[i - 1], &b = line[i], along = b - a;
-    const double length = along.norm();
-    const Vector2d side = hair / length * Vector2d(-along.y(), along.x());
-    at = {0};
-    for (const RegionIndex* index : indices) {
-      index->crossings(a + side, b + side, at);
-      index->crossings(a - side, b - side, at);
-    }
-    std::sort(at.begin(), at.end());
-    at.push_back(1);
-    for (std::size_t k = 1; k < at.size(); ++k) {
-      if (at[k] <= at[k - 1]) continue;
-      const bool shows = visible({a + (at[k] + at[k - 1]) / 2 * along, side});
-      const Vector2d from = at[k - 1] == 0 ? a : Vector2d(a + at[k - 1] * along);
-      const Vector2d to = at[k] == 1 ? b : Vector2d(a + at[k] * along);
-      if (shows && !on) pieces.push_back({{from}, before + at[k - 1] * length, 0});
-      // Within a segment, parts that follow each other are one.
-      const bool goes_on = shows && on && at[k - 1] != 0;
-      if (goes_on) pieces.back().points.back() = to;
-      if (shows && !goes_on) pieces.back().points.push_back(to);
-      if (shows) pieces.back().length += (at[k] - at[k - 1]) * length;
-      on = shows;
-    }
-    before += length;
-  }
-  return pieces;
-}
-
-// The line between two lengths along it.
-std::vector<Vector2d> part_of(const std::vector<Vector2d>& line, double from, double to) {
-  std::vector<Vector2d> part;
-  double before = 0;
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const Vector2d &a = line[i - 1], &b = line[i];
-    const double after = before + (b - a).norm();
-    const auto at = [&](double s) {
-      return Vector2d(a + (s - before) / (after - before) * (b - a));
-    };
-    if (after > from && part.empty()) part.push_back(from > before ? at(from) : a);
-    if (after > from && before < to) part.push_back(after > to ? at(to) : b);
-    before = after;
-  }
-  return part;
-}
-
 struct Shown {  // where a clip shows
   Outlines region;
   RegionIndex index;
-};
-
-// True if the region holds the whole box.
-bool holds(const Outlines& region, const AlignedBox2d& box) {
-  int winding = 0;
-  const Vector2d p = box.min();
-  for (const auto& outline : region) {
-    for (std::size_t i = 0; i < outline.size(); ++i) {
-      const Vector2d &a = outline[i], &b = outline[(i + 1) % outline.size()];
-      if (AlignedBox2d(a.cwiseMin(b), a.cwiseMax(b)).intersects(box)) return false;
-      if ((a.y() <= p.y()) == (b.y() <= p.y())) continue;
-      const bool up = a.y() <= p.y();
-      if (up == (cross(Vector2d(b - a), Vector2d(p - a)) > 0)) winding += up ? 1 : -1;
-    }
-  }
-  return winding != 0;
-}
-
-struct Cover {
-  Outlines region;
-  AlignedBox2d box;
-  bool inked = false;
-  std::size_t hides_from = 0;
-  std::uint32_t colour = 0;  // of a stroke
-};
-
-// The covers over the paints that are looked at, from the last to the first.
-class Covers {
- public:
-  explicit Covers(const AlignedBox2d& page) : page_(page), cells_(kCells * kCells) {}
-
-  int add(Cover cover) {
-    const int number = static_cast<int>(covers_.size());
-    cover.box = outlines_box(cover.region);
-    if (is_large(cover.box))
-      large_.push_back(number);
-    else
-      each_cell(cover.box, [&](std::vector<int>& cell) { cell.push_back(number); });
-    covers_.push_back(std::move(cover));
-    return number;
-  }
-
-  // Those that hide something of paint `index` within the box.
-  std::vector<int> over(const AlignedBox2d& box, std::size_t index) const {
-    std::vector<int> found;
-    const auto look_in = [&](const std::vector<int>& cell) {
-      for (const int i : cell) {
-        if (covers_[i].hides_from <= index && covers_[i].box.intersects(box)) found.push_back(i);
-      }
-    };
-    look_in(large_);
-    each_cell(box, look_in);
-    std::sort(found.begin(), found.end());
-    found.erase(std::unique(found.begin(), found.end()), found.end());
-    return found;
-  }
-
-  const Cover& operator[](int i) const { return covers_[i]; }
-
-  void remove(int i) {
-    std::erase(large_, i);
-    if (!is_large(covers_[i].box))
-      each_cell(covers_[i].box, [&](std::vector<int>& cell) { std::erase(cell, i); });
-    covers_[i] = {};
-  }
-
- private:
-  bool is_large(const AlignedBox2d& box) const {
-    return (8 * box.sizes().array() > page_.sizes().array()).any();
-  }
-
-  template <class Do>
-  void each_cell(const AlignedBox2d& box, Do&& act) const {
-    const auto cell = [&](const Vector2d& p) {
-      const Vector2d share = (p - page_.min()).cwiseQuotient(page_.sizes().cwiseMax(1e-9));
-      return Eigen::Vector2i((kCells * share.cwiseMax(0.0).cwiseMin(0.999)).cast<int>());
-    };
-    const Eigen::Vector2i from = cell(box.min()), to = cell(box.max());
-    for (int y = from.y(); y <= to.y(); ++y) {
-      for (int x = from.x(); x <= to.x(); ++x) act(cells_[y * kCells + x]);
-    }
-  }
-
-  AlignedBox2d page_;
-  std::vector<Cover> covers_;
-  std::vector<int> large_;  // those of more than an eighth of the page
-  mutable std::vector<std::vector<int>> cells_;
 };
 
 class Eye {
@@ -356,11 +201,11 @@ class Eye {
     others.insert(others.end(), cover.begin(), cover.end());
     const RegionIndex hidden_middle(others);
     for (const Stroke& line : lines) {
-      std::vector<Piece> pieces = pieces_of(line, indices, [&](const Spot& spot) {
+      std::vector<LinePiece> pieces = pieces_of(line, indices, [&](const Spot& spot) {
         return (!clip || spot.touches(clip->index)) && !spot.within(hidden);
       });
       // What only touches the clip, as a tangent does, is outside.
-      std::erase_if(pieces, [&](const Piece& piece) {
+      std::erase_if(pieces, [&](const LinePiece& piece) {
         const auto within = [&](const Spot& spot) { return spot.within(clip->index); };
         return clip && piece.length > 0 && piece.length < touch_ &&
                visible_pieces(piece.points, hair_, {&clip->index}, within).empty();
@@ -394,7 +239,7 @@ class Eye {
       keep(edge, uncovered(pieces_of(edge, {&edged}, is_seen), under_all), kept);
       for (Stroke& stroke : kept) {
         hidden_ -= length(stroke.points);
-        for (const Piece& piece : pieces_of(stroke, {&core}, is_new)) hidden_ += piece.length;
+        for (const LinePiece& piece : pieces_of(stroke, {&core}, is_new)) hidden_ += piece.length;
         paint.strokes.push_back(std::move(stroke));
       }
     }
@@ -427,23 +272,24 @@ class Eye {
   }
 
   // What strokes leave of the pieces. What merely crosses a stroke stays.
-  std::vector<Piece> uncovered(std::vector<Piece> pieces, const RegionIndex& strokes) const {
+  std::vector<LinePiece> uncovered(std::vector<LinePiece> pieces,
+                                   const RegionIndex& strokes) const {
     if (strokes.empty()) return pieces;
-    std::vector<Piece> left;
-    for (Piece& piece : pieces) {
+    std::vector<LinePiece> left;
+    for (LinePiece& piece : pieces) {
       const auto is_hidden = [&](const Spot& spot) { return spot.within(strokes); };
-      std::vector<Piece> hidden = pieces_of({piece.points}, {&strokes}, is_hidden);
-      std::erase_if(hidden, [&](const Piece& part) { return part.length < crossing_; });
+      std::vector<LinePiece> hidden = pieces_of({piece.points}, {&strokes}, is_hidden);
+      std::erase_if(hidden, [&](const LinePiece& part) { return part.length < crossing_; });
       if (hidden.empty()) {
         left.push_back(std::move(piece));
         continue;
       }
       double from = 0;
       hidden.push_back({{}, piece.length, 0});
-      for (const Piece& part : hidden) {
+      for (const LinePiece& part : hidden) {
         if (part.start > from)
           left.push_back(
-              {part_of(piece.points, from, part.start), piece.start + from, part.start - from});
+              {line_part(piece.points, from, part.start), piece.start + from, part.start - from});
         from = part.start + part.length;
       }
     }
@@ -498,7 +344,7 @@ class Eye {
                 const Outlines& cover, std::vector<Stroke>& kept) {
     if (line.dash >= 0 || !(line.width > 30 * hair_)) return;
     const auto is_hidden = [&](const Spot& spot) { return spot.within(hidden); };
-    for (const Piece& piece : pieces_of(line, {&hidden}, is_hidden)) {
+    for (const LinePiece& piece : pieces_of(line, {&hidden}, is_hidden)) {
       if (piece.length < std::max(line.width / 10, crossing_)) continue;
       const bool whole = line.closed && piece.length > (1 - 1e-9) * length(line.points);
       Outlines rest = math_.without(math_.stroked(piece.points, line.width, whole), cover);
@@ -517,7 +363,7 @@ class Eye {
   }
 
   // The lines that run beside the piece, on both sides, half of `width` away, where they show.
-  std::vector<Stroke> sides_of(const Piece& piece, const Stroke& line, double width, bool whole,
+  std::vector<Stroke> sides_of(const LinePiece& piece, const Stroke& line, double width, bool whole,
                                const Shown* clip, const RegionIndex& hidden) {
     std::vector<const RegionIndex*> indices{&hidden};
     if (clip) indices.push_back(&clip->index);
@@ -525,7 +371,7 @@ class Eye {
     for (auto& ring : math_.stroked(piece.points, width, whole)) {
       const std::size_t n = ring.size();
       const auto ends = [&](std::size_t i) {
-        return !whole && is_end(ring[i], ring[(i + 1) % n], piece.points, width);
+        return !whole && is_stroke_end(ring[i], ring[(i + 1) % n], piece.points, width);
       };
       std::size_t first = 0;
       while (first < n && !ends(first)) ++first;
@@ -548,33 +394,21 @@ class Eye {
     return sides;
   }
 
-  // True for the flat ends of a stroked line.
-  static bool is_end(const Vector2d& a, const Vector2d& b, const std::vector<Vector2d>& line,
-                     double width) {
-    const auto at = [&](const Vector2d& end, const Vector2d& before) {
-      const Vector2d along = (end - before).normalized();
-      const auto on = [&](const Vector2d& p) {
-        return std::abs((p - end).dot(along)) < 1e-3 * width && (p - end).norm() < 0.501 * width;
-      };
-      return on(a) && on(b);
-    };
-    return at(line.front(), line[1]) || at(line.back(), line[line.size() - 2]);
-  }
-
-  std::vector<Piece> pieces_of(const Stroke& stroke, const std::vector<const RegionIndex*>& indices,
-                               const std::function<bool(const Spot&)>& visible) const {
+  std::vector<LinePiece> pieces_of(const Stroke& stroke,
+                                   const std::vector<const RegionIndex*>& indices,
+                                   const std::function<bool(const Spot&)>& visible) const {
     return visible_pieces(stroke.points, hair_, indices, visible);
   }
 
   // Puts the pieces as strokes; returns their length. Hairs are neither left out nor left.
-  double keep(const Stroke& stroke, std::vector<Piece> pieces, std::vector<Stroke>& kept) {
+  double keep(const Stroke& stroke, std::vector<LinePiece> pieces, std::vector<Stroke>& kept) {
     const double whole = length(stroke.points), dust = 30 * hair_;
     if (stroke.points.size() == 1) {
       if (!pieces.empty()) kept.push_back(stroke);
       return 0;
     }
-    std::vector<Piece> longer;
-    for (Piece& piece : pieces) {
+    std::vector<LinePiece> longer;
+    for (LinePiece& piece : pieces) {
       const bool goes_on =
           !longer.empty() && piece.start - (longer.back().start + longer.back().length) < dust;
       if (!goes_on) {
@@ -585,7 +419,7 @@ class Eye {
       longer.back().points.insert(longer.back().points.end(), piece.points.begin(),
                                   piece.points.end());
     }
-    std::erase_if(longer, [&](const Piece& piece) { return piece.length < dust; });
+    std::erase_if(longer, [&](const LinePiece& piece) { return piece.length < dust; });
     if (longer.size() == 1 && longer[0].length > whole - dust) {
       kept.push_back(stroke);
       return whole;
@@ -600,7 +434,7 @@ class Eye {
       longer.erase(longer.begin());
     }
     double sum = 0;
-    for (Piece& piece : longer) {
+    for (LinePiece& piece : longer) {
       sum += piece.length;
       piece.points.erase(std::unique(piece.points.begin(), piece.points.end()), piece.points.end());
       kept.push_back(like(stroke, std::move(piece.points)));

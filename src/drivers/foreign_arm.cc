@@ -7,6 +7,23 @@
 
 namespace impedraw {
 
+SessionSettings session_settings(const ArmSettings& settings, ArmModel arm,
+                                 const JointVector& posture, std::span<const double> external) {
+  constexpr double kExternalShare = 0.9, kSpeedShare = 1.2;
+  SessionSettings s;
+  s.torque_limit = arm.limits().torque;
+  s.speed_limit = kSpeedShare * arm.limits().speed;
+  s.rated_speed = arm.limits().speed;
+  s.external_limit = kExternalShare *
+                     JointVector(Eigen::Map<const Eigen::VectorXd>(external.data(), arm.joints()));
+  ArmTerms terms(arm.joints());
+  arm.compute(posture, JointVector::Zero(arm.joints()), &terms);
+  s.damping = joint_damping(terms.M);
+  s.inertia = terms.M;
+  s.max_silence = settings.max_silence;
+  return s;
+}
+
 void require_posture(const JointVector& q, const ArmLimits& limits,
                      const std::vector<std::string>& joint_names,
                      const std::optional<JointVector>& start_q) {

@@ -4,11 +4,13 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/drivers/arm_session.h"
+#include "impedraw/experiment/scenario.h"
 #include "impedraw/run/driver.h"
 
 namespace impedraw {
@@ -36,6 +38,13 @@ class ForeignArm : public Driver {
   // Connects and receives statuses for `seconds`, and sends no torque. Throws as start() does.
   virtual void observe(double seconds, const Seen& seen) = 0;
 };
+
+// Limits of a session with the arm: the model's torques; somewhat more than its speeds, since the
+// arm's own limit comes first, with a reflex that can be recovered from; nine tenths of the
+// `external` torques at which the arm ends a session itself [Nm]. Damping and inertia are those at
+// the posture.
+SessionSettings session_settings(const ArmSettings& settings, ArmModel arm,
+                                 const JointVector& posture, std::span<const double> external);
 
 // Throws std::runtime_error that names the joint, unless all joints are within their range and,
 // where start_q is given, within ForeignArm::kStartTolerance of it.

@@ -23,22 +23,10 @@ namespace {
 // with 5 N at the arm's full reach makes 4 Nm.
 constexpr std::array<double, 7> kContactTorque = {20, 20, 18, 18, 16, 14, 12};
 constexpr std::array<double, 6> kContactForce = {30, 30, 30, 25, 25, 25};
-constexpr double kContactShare = 0.9, kFastest = 1.2;
 
-SessionSettings fci_session_settings(const ArmSettings& settings, ArmModel arm,
+SessionSettings fci_session_settings(const ArmSettings& settings, const ArmModel& arm,
                                      const JointVector& posture, double period) {
-  SessionSettings s;
-  s.torque_limit = arm.limits().torque;
-  // The arm's own limit comes first, with a reflex that can be recovered from.
-  s.speed_limit = kFastest * arm.limits().speed;
-  s.rated_speed = arm.limits().speed;
-  s.external_limit = kContactShare * JointVector(Eigen::Map<const Eigen::VectorXd>(
-                                         kContactTorque.data(), kFciJoints));
-  ArmTerms terms(arm.joints());
-  arm.compute(posture, JointVector::Zero(arm.joints()), &terms);
-  s.damping = joint_damping(terms.M);
-  s.inertia = terms.M;
-  s.max_silence = settings.max_silence;
+  SessionSettings s = session_settings(settings, arm, posture, kContactTorque);
   s.quiet_time = 0.0;
   s.longest_step = period;  // the arm differences what it got, whatever it missed in between
   return s;

@@ -20,7 +20,6 @@ constexpr std::array<double, kIiwaJoints> kRangeDeg = {170, 120, 170, 120, 170, 
 constexpr std::array<double, kIiwaJoints> kTorque = {320, 320, 176, 176, 110, 40, 40};  // [Nm]
 // drake-iiwa-driver ends a session at these external torques; a tenth less ends ours before [Nm].
 constexpr std::array<double, kIiwaJoints> kExternal = {60, 60, 60, 30, 12, 12, 6};
-constexpr double kExternalShare = 0.9, kSpeedShare = 1.2;
 constexpr double kOldestWrench = 1.0;  // before the first status that was answered [s]
 
 void require_iiwa(const ArmModel& arm) {
@@ -45,22 +44,6 @@ void require_iiwa(const ArmModel& arm) {
   }
 }
 
-SessionSettings session_settings(const ArmSettings& settings, ArmModel arm,
-                                 const JointVector& posture) {
-  SessionSettings s;
-  s.torque_limit = arm.limits().torque;
-  s.speed_limit = kSpeedShare * arm.limits().speed;
-  s.rated_speed = arm.limits().speed;
-  s.external_limit = kExternalShare *
-                     JointVector(Eigen::Map<const Eigen::VectorXd>(kExternal.data(), kIiwaJoints));
-  ArmTerms terms(arm.joints());
-  arm.compute(posture, JointVector::Zero(arm.joints()), &terms);
-  s.damping = joint_damping(terms.M);
-  s.inertia = terms.M;
-  s.max_silence = settings.max_silence;
-  return s;
-}
-
 }  // namespace
 
 IiwaLcm::IiwaLcm(const ArmSettings& settings, const ArmModel& arm, double period,
@@ -77,8 +60,8 @@ IiwaLcm::IiwaLcm(const ArmSettings& settings, const ArmModel& arm, double period
       zero_(wanted_) {
   require_iiwa(arm);
   check_lcm_url(settings.url);
-  session_settings_ =
-      session_settings(settings, arm, start_q_ ? *start_q_ : JointVector::Zero(kIiwaJoints));
+  session_settings_ = session_settings(
+      settings, arm, start_q_ ? *start_q_ : JointVector::Zero(kIiwaJoints), kExternal);
   session_ = std::make_unique<ArmSession>(session_settings_);
 }
 

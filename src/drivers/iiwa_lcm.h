@@ -48,7 +48,6 @@ class IiwaLcm : public ForeignArm {
 
  private:
   void connect();
-  void await_first();
   // Receives until a status is to be answered or `until` [s]; true if there is one.
   bool receive(double until) noexcept;
   void send(const JointVector& wanted, bool stale) noexcept;

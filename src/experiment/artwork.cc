@@ -1,7 +1,6 @@
 #include "impedraw/experiment/artwork.h"
 
 #include <algorithm>
-#include <utility>
 
 #include <fmt/format.h>
 

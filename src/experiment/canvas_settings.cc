@@ -58,19 +58,9 @@ TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* repaired
 }  // namespace
 
 std::optional<double> metres(LengthUnit unit) {
-  switch (unit) {
-    case LengthUnit::file:
-      break;
-    case LengthUnit::m:
-      return 1.0;
-    case LengthUnit::mm:
-      return 1e-3;
-    case LengthUnit::cm:
-      return 1e-2;
-    case LengthUnit::in:
-      return 0.0254;
-  }
-  return {};
+  constexpr double kMetres[] = {0.0, 1.0, 1e-3, 1e-2, 0.0254};
+  return unit == LengthUnit::file ? std::nullopt
+                                  : std::optional(kMetres[static_cast<std::size_t>(unit)]);
 }
 
 void describe(Fields& f, CapSettings& s) {
@@ -138,14 +128,7 @@ void describe(Fields& f, RoughSettings& s) {
   using Limits = RoughSettings::Limits;
   describe_footprint(f, s.footprint);
   f.choice(
-      "form", s.form,
-      {{"fractal", RoughForm::fractal},
-       {"facets", RoughForm::facets},
-       {"ridges", RoughForm::ridges},
-       {"ripple", RoughForm::ripple},
-       {"step", RoughForm::step},
-       {"hole", RoughForm::hole},
-       {"lip", RoughForm::lip}},
+      "form", s.form, {"fractal", "facets", "ridges", "ripple", "step", "hole", "lip"},
       "Hills at every scale down to the wavelength; flat facets of that size; a zigzag; a "
       "cylinder with waves along it; a step; a hole of that diameter; or a sheet above half of "
       "another.");
@@ -157,28 +140,19 @@ void describe(Fields& f, RoughSettings& s) {
 }
 
 void describe(Fields& f, MeshSettings& s) {
-  using Limits = MeshSettings::Limits;
-  f.field("file", s.file, fmt::format("Mesh file: {}.", kMeshFiles));
-  f.for_users();
-  f.choice(
-      "unit", s.unit,
-      {{"file", LengthUnit::file},
-       {"m", LengthUnit::m},
-       {"mm", LengthUnit::mm},
-       {"cm", LengthUnit::cm},
-       {"in", LengthUnit::in}},
-      "Unit of the numbers in the file; file: what it says (.glb, .gltf, .3mf, .dae), else m.");
-  f.for_users();
-  f.choice("up", s.up, {{"z", MeshSettings::Up::z}, {"y", MeshSettings::Up::y}},
+  f.field("file", s.file, fmt::format("Mesh file: {}.", kMeshFiles)).for_users();
+  f.choice("unit", s.unit, {"file", "m", "mm", "cm", "in"},
+           "Unit of the numbers in the file; file: what it says (.glb, .gltf, .3mf, .dae), else m.")
+      .for_users();
+  f.choice("up", s.up, {"z", "y"},
            "Axis that points up in the file; .glb, .gltf, .3mf and .dae say it themselves.");
   f.field("recentre", s.recentre,
           "Moves the middle of its extent in x and y, and its lowest point, to the file's origin.");
-  f.field(Limits::position, s.position, "Position of the file's origin.");
-  f.field(Limits::rotation, s.rotation_deg,
+  f.field("position", s.position, {-10.0, 10.0}, "m", "Position of the file's origin.");
+  f.field("rotation", s.rotation_deg, {-360.0, 360.0}, "deg",
           "Roll, pitch and yaw: rotations about the world's x, then y, then z axis.");
   f.choice(
-      "side", s.side,
-      {{"outward", MeshSettings::Side::outward}, {"inward", MeshSettings::Side::inward}},
+      "side", s.side, {"outward", "inward"},
       "Side that is drawn on; outward: the front of its triangles, and the outside of a closed "
       "mesh.");
 }
@@ -206,23 +180,12 @@ void describe(Fields& f, CanvasMotionSettings& s) {
 }
 
 void describe(Fields& f, CanvasSettings& s) {
-  using Limits = CanvasSettings::Limits;
   f.choice("kind", s.kind,
-           {{"bowl", CanvasKind::bowl},
-            {"dome", CanvasKind::dome},
-            {"plane", CanvasKind::plane},
-            {"wave", CanvasKind::wave},
-            {"saddle", CanvasKind::saddle},
-            {"cylinder", CanvasKind::cylinder},
-            {"trough", CanvasKind::trough},
-            {"cone", CanvasKind::cone},
-            {"terrain", CanvasKind::terrain},
-            {"rough", CanvasKind::rough},
-            {"mesh", CanvasKind::mesh},
-            {"seen", CanvasKind::seen}},
+           {"bowl", "dome", "plane", "wave", "saddle", "cylinder", "trough", "cone", "terrain",
+            "rough", "mesh", "seen"},
            "Shape of the canvas. A bowl is a sphere from inside, a dome one from outside; a mesh "
-           "comes from a file; seen: as perception's capture or cloud shows it.");
-  f.for_users();
+           "comes from a file; seen: as perception's capture or cloud shows it.")
+      .for_users();
   f.field("cap", s.cap, "Size of a bowl or dome.");
   f.field("plane", s.plane, "Size of a plane.");
   f.field("wave", s.wave, "Size of a wave.");
@@ -233,9 +196,11 @@ void describe(Fields& f, CanvasSettings& s) {
   f.field("terrain", s.terrain, "Size of a terrain of random hills and hollows.");
   f.field("rough", s.rough, "Shape of a rough canvas: what the pen can follow is measured on it.");
   f.field("mesh", s.mesh, "Mesh from a file.");
-  f.field(Limits::move, s.move, "Translation of the whole canvas, after its rotation.");
-  f.for_users();
-  f.field(Limits::turn, s.turn_deg, "Rotation of the whole canvas about the world's z axis.");
+  f.field("move", s.move, {-10.0, 10.0}, "m",
+          "Translation of the whole canvas, after its rotation.")
+      .for_users();
+  f.field("turn", s.turn_deg, {-360.0, 360.0}, "deg",
+          "Rotation of the whole canvas about the world's z axis.");
   f.field("true_model", s.true_model,
           "What stands before a driven arm is this canvas, so that simulated cameras may see it.");
   f.field("motion", s.motion, "Motion of the canvas during the run; none by default.");

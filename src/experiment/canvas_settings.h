@@ -8,9 +8,7 @@
 #include <vector>
 
 #include "impedraw/canvas/built_in.h"
-#include "impedraw/canvas/built_in_graphs.h"
 #include "impedraw/canvas/built_in_rough.h"
-#include "impedraw/canvas/built_in_ruled.h"
 #include "impedraw/settings/schema.h"
 #include "impedraw/simulation/world_settings.h"
 
@@ -46,11 +44,6 @@ struct MeshSettings {
   enum class Up { z, y };
   Up up = Up::z;          // of a file that does not say which axis is up
   bool recentre = false;  // see MeshReading
-
-  struct Limits {
-    static constexpr Limit position = {"position", "m", {-10.0, 10.0}};
-    static constexpr Limit rotation = {"rotation", "deg", {-360.0, 360.0}};
-  };
 };
 
 struct CanvasSettings {
@@ -71,11 +64,6 @@ struct CanvasSettings {
   // perception.source simulated.
   bool true_model = false;
   CanvasMotionSettings motion;  // its seed comes from the scenario's
-
-  struct Limits {
-    static constexpr Limit move = {"move", "m", {-10.0, 10.0}};
-    static constexpr Limit turn = {"turn", "deg", {-360.0, 360.0}};
-  };
 };
 
 void describe(Fields& f, CanvasSettings& s);

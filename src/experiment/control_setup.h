@@ -3,8 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "impedraw/control/depth_hold.h"
 #include "impedraw/control/impedance_settings.h"

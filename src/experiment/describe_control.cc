@@ -73,28 +73,27 @@ void describe(Fields& f, Tool& s) {
   f.field(Limits::centre, s.p_SC, "Centre of mass in the sensor's frame.");
 }
 
+// Ranges at the step of a scenario's world; the estimator's own limits follow from its step.
 void describe(Fields& f, SensingSettings& s) {
-  using Limits = SensingSettings::Limits;
   f.field("tool", s.tool, "Model of the tool below the sensor.");
   f.field("remove_weight", s.removal.weight, "Removes the tool's weight from the reading.");
   f.field("remove_inertia", s.removal.inertia,
           "Removes the wrench that accelerates the tool from the reading.");
   f.field("remove_coriolis", s.removal.coriolis,
           "Removes the tool's centrifugal and gyroscopic wrench from the reading.");
-  f.field(Limits::tip_distance, s.tip_distance,
+  f.field("tip_distance", s.tip_distance, {0.0, 2.0}, "m",
           "Modelled distance of the tip from the sensor, along the pen.");
-  f.field(Limits::sensor_delay, s.sensor_delay,
+  f.field("sensor_delay", s.sensor_delay, {0.0, 0.03}, "s",
           "Modelled delay of the sensor; null: its true delay.");
-  f.field(Limits::filter_bandwidth, s.filter_bandwidth,
+  f.field("filter_bandwidth", s.filter_bandwidth, {0.0, 1900.0}, "rad/s",
           "Bandwidth of the wrench's low-pass filter; 0: no filter.");
-  f.field(Limits::tare_time, s.tare_time,
+  f.field("tare_time", s.tare_time, {0.01, 60.0}, "s",
           "Time at rest in the air, before the first stroke, over which the sensor is tared.");
 }
 
 void describe(Fields& f, JointSensingSettings& s) {
   using Limits = JointSensingSettings::Limits;
-  f.choice("velocity", s.velocity,
-           {{"measured", VelocitySource::measured}, {"estimated", VelocitySource::estimated}},
+  f.choice("velocity", s.velocity, {"measured", "estimated"},
            "Joint velocities of the control law: as measured, or estimated from the positions, the "
            "torques and the arm's model.");
   f.field(Limits::bandwidth, s.bandwidth, "Bandwidth of the estimator.");
@@ -108,21 +107,13 @@ void describe(Fields& f, JointSensingSettings& s) {
 
 void describe(Fields& f, ControlSettings& s) {
   using Limits = ControlSettings::Limits;
-  f.choice("inertia", s.inertia,
-           {{"natural", InertiaShaping::natural},
-            {"scaled", InertiaShaping::scaled},
-            {"shaped", InertiaShaping::shaped}},
+  f.choice("inertia", s.inertia, {"natural", "scaled", "shaped"},
            "Desired inertia M_d: the arm's own, a multiple of it, or the constant one set below.");
-  f.choice("wrench", s.source,
-           {{"none", WrenchSource::none},
-            {"ground_truth", WrenchSource::truth},
-            {"sensor", WrenchSource::sensor},
-            {"realistic", WrenchSource::realistic}},
+  f.choice("wrench", s.source, {"none", "ground_truth", "sensor", "realistic"},
            "Source of the external wrench F_ext: none, the simulator, a sensor with the faults in "
-           "wrench_sensor, or one with the faults of a real sensor.");
-  f.formerly("true", "ground_truth");
-  f.choice("projection", s.surface.projection,
-           {{"lifted", ErrorProjection::lifted}, {"paper", ErrorProjection::paper}},
+           "wrench_sensor, or one with the faults of a real sensor.")
+      .formerly("true", "ground_truth");
+  f.choice("projection", s.surface.projection, {"lifted", "paper"},
            "Projection of the position error in contact, equation (13): with full stiffness on any "
            "slope, or as in the paper.");
   describe_axial(f, Limits::stiffness, s.stiffness.linear, "Stiffness K along");
@@ -146,9 +137,9 @@ void describe(Fields& f, ControlSettings& s) {
           "Desired inertia as a multiple of the arm's own, for inertia: scaled.");
   f.field(Limits::damping_ratio, s.damping_ratio, "Damping ratio of every mode.");
   f.field(Limits::normal_force, s.normal_force,
-          "Normal force that the pen presses with while drawing.");
-  f.for_users();
-  f.formerly("push");
+          "Normal force that the pen presses with while drawing.")
+      .for_users()
+      .formerly("push");
   f.field(Limits::switch_time, s.switch_time,
           "Time constant of the transition between contact modes.");
   f.field(Limits::approach_speed, s.approach.speed,
@@ -160,7 +151,7 @@ void describe(Fields& f, ControlSettings& s) {
   f.field(Limits::normal_bandwidth, s.surface.normal_bandwidth,
           "Bandwidth of the filter of the surface normal.");
   f.choice(
-      "pen_axis", s.pen_axis, {{"plan", PenAxis::plan}, {"surface", PenAxis::surface}},
+      "pen_axis", s.pen_axis, {"surface", "plan"},
       "Pen's axis while drawing: along the plan's smoothed normals, or along the estimated normal "
       "at the tip. null: surface, but plan where the surface under the drawing is rough. The pen "
       "pushes along the estimated normal either way.");
@@ -188,7 +179,7 @@ void describe(Fields& f, ControlSettings& s) {
           "Damping ratio of the null space.");
   f.field("observer", s.observer, "Momentum observer of the torque that the arm's model misses.");
   f.field(
-      Limits::torque_delay, s.torque_delay,
+      "torque_delay", s.torque_delay, {0.0, 0.02}, "s",
       "Delay of the drives; loop_delay is then at least one step longer. null: loop_delay alone "
       "counts.");
   f.field(Limits::loop_delay, s.timing.loop_delay,
@@ -199,11 +190,11 @@ void describe(Fields& f, ControlSettings& s) {
   f.field("sensing", s.sensing, "From the sensor's readings to the wrench at the tip.");
   f.field("joint_sensing", s.joint_sensing,
           "From the joints' readings to their positions and velocities.");
-  f.field(Limits::torque_share, s.torque_share,
+  f.field("torque_share", s.torque_share, {0.01, 1.0}, "",
           "Fraction of the arm's torque limits that may be used.");
   f.field(Limits::torque_rate, s.torque_rate, "Largest rate of change of a joint's torque.");
   f.field(
-      Limits::joint_speed_share, s.joint_speed_share,
+      "joint_speed_share", s.joint_speed_share, {0.01, 1.0}, "",
       "Fraction of the arm's joint speed limits that the control law may ask for; faster joints "
       "are damped.");
   f.field("check_rotors", s.check_rotors,

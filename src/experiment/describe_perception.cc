@@ -5,8 +5,8 @@ namespace impedraw {
 
 void describe(Fields& f, CameraSettings& s) {
   using Limits = CameraSettings::Limits;
-  f.field(Limits::position, s.p_WC, "Position of the pinhole.");
-  f.field(Limits::target, s.target_W, "Point in the middle of the image.");
+  f.field("position", s.p_WC, {-10.0, 10.0}, "m", "Position of the pinhole.");
+  f.field("target", s.target_W, {-10.0, 10.0}, "m", "Point in the middle of the image.");
   f.field(Limits::width, s.width, "Width of the image.");
   f.field(Limits::height, s.height, "Height of the image.");
   f.field(Limits::fov_y, s.fov_y_deg, "Vertical field of view.");
@@ -20,30 +20,28 @@ void describe(Fields& f, DepthNoise& s) {
 }
 
 void describe(Fields& f, CameraErrors& s) {
-  f.field(CameraErrors::Limits::shift, s.shift,
+  f.field("shift", s.shift, {0.0, 0.1}, "m",
           "Distance of each true camera from where it is believed to be. Its direction comes from "
           "the seed.");
   f.field(
-      CameraErrors::Limits::turn, s.turn_deg,
+      "turn", s.turn_deg, {0.0, 10.0}, "deg",
       "Angle of each true camera to how it is believed to stand. Its axis comes from the seed.");
-  f.field(CameraErrors::Limits::depth_scale, s.depth_scale,
+  f.field("depth_scale", s.depth_scale, {-0.2, 0.2}, "",
           "Relative error of every depth: 0.01 reads 1 % too far.");
-  f.field(CameraErrors::Limits::time_stamp, s.time_stamp,
+  f.field("time_stamp", s.time_stamp, {-0.2, 0.2}, "s",
           "How much later than its exposure a frame's time stamp is.");
 }
 
 void describe(Fields& f, NormalSettings& s) {
   using Limits = NormalSettings::Limits;
-  f.choice("mode", s.mode,
-           {{"fresh", NormalMode::fresh}, {"interpolated", NormalMode::interpolated}},
+  f.choice("mode", s.mode, {"fresh", "interpolated"},
            "Whether the normal is fitted anew at each step or interpolated between normals fitted "
            "once.");
   f.field(Limits::k, s.k, "Number of nearest neighbours, equation (18).");
   f.field(Limits::max_radius, s.max_radius, "Largest distance of a neighbour from the query.");
-  f.choice("weighting", s.weighting,
-           {{"uniform", NeighbourWeighting::uniform}, {"smooth", NeighbourWeighting::smooth}},
+  f.choice("weighting", s.weighting, {"uniform", "smooth"},
            "Weights of the neighbours: all equal, as in the paper, or fading out with distance.");
-  f.choice("fit", s.fit, {{"plane", SurfaceFit::plane}, {"quadric", SurfaceFit::quadric}},
+  f.choice("fit", s.fit, {"plane", "quadric"},
            "Surface fitted through the neighbours: a plane, as in the paper, or a quadric.");
   f.field(Limits::max_one_sidedness, s.max_one_sidedness,
           "One-sidedness of the neighbours above which the tip is taken to be off the cloud's "
@@ -95,18 +93,15 @@ void describe(Fields& f, FiducialSettings& s) {
 void describe(Fields& f, PerceptionSettings& s) {
   using Limits = PerceptionSettings::Limits;
   f.field("enabled", s.enabled, "Uses the depth cameras; off: blind stiffness control.");
-  f.choice("source", s.source,
-           {{"simulated", PerceptionSource::simulated},
-            {"capture", PerceptionSource::capture},
-            {"cloud", PerceptionSource::cloud}},
+  f.choice("source", s.source, {"simulated", "capture", "cloud"},
            "What the cloud is made from. simulated: images rendered of the canvas; capture: the "
-           "depth images in perception.capture; cloud: the points in perception.cloud.");
-  f.for_users();
-  f.field("capture", s.capture, "Folder with capture.json and depth images, for source: capture.");
-  f.for_users();
-  f.field("cloud", s.cloud, "File with points in W, in m, .ply, .pcd or .xyz, for source: cloud.");
-  f.for_users();
-  f.field(Limits::viewpoint, s.viewpoint,
+           "depth images in perception.capture; cloud: the points in perception.cloud.")
+      .for_users();
+  f.field("capture", s.capture, "Folder with capture.json and depth images, for source: capture.")
+      .for_users();
+  f.field("cloud", s.cloud, "File with points in W, in m, .ply, .pcd or .xyz, for source: cloud.")
+      .for_users();
+  f.field("viewpoint", s.viewpoint, {-100.0, 100.0}, "m",
           "Whence the points of the cloud were seen, x, y, z of one place or of several; empty: as "
           "the file says, or from above.");
   f.field("align", s.align, "Puts the views of a capture onto each other.");
@@ -123,15 +118,16 @@ void describe(Fields& f, PerceptionSettings& s) {
           "explains.");
   f.field(Limits::self_padding, s.self_padding,
           "Distance from the arm below which points are removed.");
-  f.field(Limits::region_lower, s.region_lower, "Lower corner of the region of interest.");
-  f.field(Limits::region_upper, s.region_upper, "Upper corner of the region of interest.");
+  f.field("region_lower", s.region_lower, {-10.0, 10.0}, "m",
+          "Lower corner of the region of interest.");
+  f.field("region_upper", s.region_upper, {-10.0, 10.0}, "m",
+          "Upper corner of the region of interest.");
   f.field("normals", s.normals, "Surface normals from the cloud, equations (18) and (19).");
   f.field("frames", s.frames, "Frames of cameras that keep capturing.");
   f.field("fiducials", s.fiducials, "Marks that tell where the canvas is.");
-  f.field(Limits::watch, s.watch,
+  f.field(kWatchLimit, s.watch,
           "Time for which the arm watches the canvas before the first stroke.");
-  f.choice("canvas_pose", s.canvas_pose,
-           {{"tracked", CanvasPoseSource::tracked}, {"true", CanvasPoseSource::truth}},
+  f.choice("canvas_pose", s.canvas_pose, {"tracked", "true"},
            "Where the pose of a moving canvas comes from. tracked: the frames; true: the "
            "simulator, to judge the controller alone.");
 }

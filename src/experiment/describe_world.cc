@@ -23,8 +23,8 @@ void describe(Fields& f, ModelErrors& s) {
   f.field(Limits::centre_shift, s.centre_shift, "Shift of every link's centre of mass.");
   f.field(Limits::viscous_friction, s.viscous_friction, "Viscous friction of every joint.");
   f.field(Limits::rotor_inertia, s.rotor_inertia,
-          "True rotor inertia: one for all joints or one for each; empty: as arm.rotor_inertia.");
-  f.or_one();
+          "True rotor inertia: one for all joints or one for each; empty: as arm.rotor_inertia.")
+      .or_one();
   f.field(Limits::stiction, s.stiction,
           "Dry friction of a joint at rest, as a multiple of that in motion.");
   f.field(Limits::stribeck_speed, s.stribeck_speed, "Joint speed up to which stiction reaches.");
@@ -65,30 +65,23 @@ void describe(Fields& f, WrenchSensorSettings& s) {
 
 void describe(Fields& f, JointSpringSettings& s) {
   using Limits = JointSpringSettings::Limits;
-  f.choice("arm", s.arm,
-           {{"none", SpringsOf::none},
-            {"iiwa", SpringsOf::iiwa},
-            {"fr3", SpringsOf::fr3},
-            {"harmonic_drive", SpringsOf::harmonic_drive}},
+  f.choice("arm", s.arm, {"none", "iiwa", "fr3", "harmonic_drive"},
            "Published values of an arm; none: rigid joints, unless stiffness is given.");
   f.field(Limits::stiffness, s.stiffness,
           "Between each rotor and its link: one for all joints or one for each; empty: as "
-          "published.");
-  f.or_one();
-  f.field(Limits::damping, s.damping, "Beside the spring; empty: 1 ms times the stiffness.");
-  f.or_one();
+          "published.")
+      .or_one();
+  f.field(Limits::damping, s.damping, "Beside the spring; empty: 1 ms times the stiffness.")
+      .or_one();
   f.field(Limits::rotor_inertia, s.rotor_inertia,
-          "Inertia of the rotors over their gears; empty: as published.");
-  f.or_one();
+          "Inertia of the rotors over their gears; empty: as published.")
+      .or_one();
   f.field(Limits::loop_bandwidth, s.loop_bandwidth,
           "Bandwidth of the arm's own torque loop; 0: none; null: as published.");
   f.field(Limits::sensor_ripple, s.sensor_ripple, "Ripple of the joints' torque sensors.");
   f.field(Limits::sensor_offset, s.sensor_offset,
           "Offset of the joints' torque sensors, up and down in turn.");
-  f.choice("reading", s.reading,
-           {{"as_published", SpringSide::as_published},
-            {"motor", SpringSide::motor},
-            {"link", SpringSide::link}},
+  f.choice("reading", s.reading, {"as_published", "motor", "link"},
            "Side of the spring whose position the joints' sensors read.");
 }
 
@@ -100,10 +93,7 @@ void describe(Fields& f, JointSensorSettings& s) {
   f.field(Limits::velocity_noise, s.velocity_noise,
           "Standard deviation of the white noise of a velocity sample.");
   f.field(Limits::delay, s.delay, "Delay of the readings.");
-  f.choice("velocity", s.velocity,
-           {{"exact", VelocityReading::exact},
-            {"difference", VelocityReading::difference},
-            {"none", VelocityReading::none}},
+  f.choice("velocity", s.velocity, {"exact", "difference", "none"},
            "Velocities that the sensors give: the true ones, the filtered difference of the "
            "positions, or none; none needs control.joint_sensing.velocity: estimated.");
   f.field(Limits::velocity_bandwidth, s.velocity_bandwidth,
@@ -123,43 +113,33 @@ void describe(Fields& f, WorldSettings& s) {
 }
 
 void describe(Fields& f, PushSettings& s) {
-  using Limits = PushSettings::Limits;
-  f.field(Limits::force, s.force, "Force: tangential on the pen tip, or as it is on a link.");
+  f.field("force", s.force, {0.0, 200.0}, "N",
+          "Force: tangential on the pen tip, or as it is on a link.");
   f.field("link", s.link,
           "Link of the arm that is pushed at its origin, such as link_4, the elbow; empty: the "
           "pen.");
-  f.field(Limits::direction, s.direction_W,
+  f.field("direction", s.direction_W, {-1.0, 1.0}, "",
           "Direction of the force in world axes; on the pen it is projected onto the canvas's "
           "tangent plane.");
-  f.field(Limits::lift, s.lift, "Additional force on the pen along the canvas's outward normal.");
-  f.field(Limits::middle, s.middle,
+  f.field("lift", s.lift, {-200.0, 200.0}, "N",
+          "Additional force on the pen along the canvas's outward normal.");
+  f.field("middle", s.middle, {0.0, 1.0}, "",
           "Middle of the push, as a fraction of the time from the start of the first stroke to the "
           "end of the last.");
-  f.field(Limits::duration, s.duration, "Duration of the push.");
+  f.field("duration", s.duration, {0.0, 1000.0}, "s", "Duration of the push.");
 }
 
 void describe(Fields& f, FaultSettings& s) {
-  using Limits = FaultSettings::Limits;
   f.choice("kind", s.kind,
-           {{"nan_state", FaultKind::nan_state},
-            {"stale_state", FaultKind::stale_state},
-            {"nan_wrench", FaultKind::nan_wrench},
-            {"stale_wrench", FaultKind::stale_wrench},
-            {"no_cloud", FaultKind::no_cloud},
-            {"no_frames", FaultKind::no_frames},
-            {"slow_step", FaultKind::slow_step},
-            {"jumped_state", FaultKind::jumped_state},
-            {"drifting_state", FaultKind::drifting_state},
-            {"standing_state", FaultKind::standing_state},
-            {"false_speed", FaultKind::false_speed},
-            {"false_wrench", FaultKind::false_wrench},
-            {"future_wrench", FaultKind::future_wrench}},
+           {"nan_state", "stale_state", "nan_wrench", "stale_wrench", "no_cloud", "no_frames",
+            "slow_step", "jumped_state", "drifting_state", "standing_state", "false_speed",
+            "false_wrench", "future_wrench"},
            "Fault around the controller.");
-  f.field(Limits::start, s.start,
+  f.field("start", s.start, {0.0, 1.0}, "",
           "Start of the fault, as a fraction of the time from the start of the first stroke to the "
-          "end of the last.");
-  f.formerly("middle");
-  f.field(Limits::duration, s.duration, "Duration of the fault.");
+          "end of the last.")
+      .formerly("middle");
+  f.field("duration", s.duration, {0.0, 1000.0}, "s", "Duration of the fault.");
 }
 
 }  // namespace impedraw

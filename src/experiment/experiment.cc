@@ -1,10 +1,7 @@
 #include "impedraw/experiment/experiment.h"
 
-#include <utility>
-
-#include "impedraw/experiment/pen_axis.h"
 #include "impedraw/experiment/rotor_check.h"
-#include "impedraw/experiment/spring_check.h"
+#include "impedraw/experiment/rough_ground.h"
 
 namespace impedraw {
 

@@ -1,10 +1,6 @@
 // Faults injected into the loop around the controller, to test how the arm reacts.
 #pragma once
 
-#include <vector>
-
-#include "impedraw/common/range.h"
-
 namespace impedraw {
 
 enum class FaultKind {
@@ -29,11 +25,6 @@ struct FaultSettings {
   // Start, as a fraction of the time from the first stroke's start to the last stroke's end.
   double start = 0.5;
   double duration = 0.05;  // [s]
-
-  struct Limits {
-    static constexpr Limit start = {"start", "", {0.0, 1.0}};
-    static constexpr Limit duration = {"duration", "s", {0.0, 1000.0}};
-  };
 };
 
 }  // namespace impedraw

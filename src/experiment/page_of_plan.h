@@ -1,5 +1,5 @@
-// The page of a plan: the strokes and what of them cannot be drawn, the surface as the
-// plan knows it, and the arm's posture along the path and at the worst places.
+// Page and picture of a plan. The page: the strokes and what of them cannot be drawn, the surface
+// as the plan knows it, and the arm's posture along the path and at the worst places.
 #pragma once
 
 #include <functional>
@@ -15,5 +15,20 @@ namespace impedraw {
 // `progress`: called now and then with the share done.
 PlanPage page_of_plan(const PlannedDrawing& drawing, const PlanPicture& picture,
                       const std::function<void(double)>& progress = {});
+
+// The picture of a plan: the surface as the plan knows it, the strokes, and where the
+// surface is rougher than the cameras resolve.
+
+// Spacing of the points of a stroke, at most; corners that lie closer than the second are not told
+// apart [m].
+inline constexpr double kPictureSpacing = 2e-3, kPictureDetail = 1e-4;
+
+// With cameras nothing in it is taken from the true canvas. `surface`: the planner's, in P.
+PlanPicture picture_of_plan(const PlannedDrawing& drawing, const SurfaceHeight& surface);
+
+// Lines that the pre-flight rejects, in the order of its findings, in P: on the surface, or as high
+// as the finding where there is none.
+std::vector<PlanLine> lines_of_findings(const PlannedDrawing& drawing,
+                                        const SurfaceHeight& surface);
 
 }  // namespace impedraw

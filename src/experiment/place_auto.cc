@@ -10,7 +10,7 @@
 
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/common/errors.h"
-#include "impedraw/experiment/preflight_of_plan.h"
+#include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/experiment/start_posture.h"
 #include "impedraw/planning/preflight/preflight.h"

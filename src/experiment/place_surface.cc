@@ -10,7 +10,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/text_fields.h"
-#include "impedraw/experiment/preflight_of_plan.h"
+#include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/scene.h"
 #include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/stroke_ruler.h"

@@ -9,15 +9,13 @@
 
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/common/errors.h"
-#include "impedraw/experiment/finding_text.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/line_forces.h"
-#include "impedraw/experiment/pen_axis.h"
-#include "impedraw/experiment/preflight_of_plan.h"
-#include "impedraw/experiment/rest_posture.h"
-#include "impedraw/experiment/roughness_note.h"
+#include "impedraw/experiment/plan_notes.h"
+#include "impedraw/experiment/plan_summary.h"
+#include "impedraw/experiment/rough_ground.h"
+#include "impedraw/experiment/start_posture.h"
 #include "impedraw/planning/preflight/crawl.h"
-#include "impedraw/planning/preflight/joint_rates.h"
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
@@ -86,7 +84,7 @@ class Planning {
       }
     }
     note_roughness();
-    note_spread_forces();
+    note_spread_forces(s_.path, &plan_);
     plan_.pens = drawn_pens();
     require_pen_places();
     return std::move(plan_);
@@ -115,16 +113,12 @@ class Planning {
   PathSettings path_settings() const;
   PreflightSettings preflight_settings() const;
   std::vector<StrokePart> lay_on_surface();
-  double wrap_doubt() const;
-  void note_wrap();
   void note_roughness();
-  void note_spread_forces();
   std::optional<DrawnPens> drawn_pens() const;
   void require_pen_places() const;
   bool may_move() const { return seen_ && s_.perception.frames.enabled; }
   void leave_to_run(std::vector<Finding>* findings);
   void check(const std::vector<StrokePart>& lost);
-  void name_step(Finding* finding) const;
   void promise();
   void plan_path();
   void leave_out_barred(const std::vector<Finding>& transitions, double share);
@@ -200,68 +194,8 @@ std::vector<StrokePart> Planning::lay_on_surface() {
     });
   }
   plan_.requested = renumbered(std::move(laid.strokes), &plan_.source);
-  if (plan_.wrap) wrap_doubt_ = wrap_doubt();
+  if (plan_.wrap) wrap_doubt_ = wrap_doubt(plan_, belief_);
   return std::move(laid.lost);
-}
-
-// By how much the drawing would lie elsewhere on the surface, RMS, if the same cells were laid flat
-// with the heights as the finest patches see them [m]. 0 where these add nothing; infinite where
-// the cells cannot be laid flat with them.
-double Planning::wrap_doubt() const {
-  const Pose& X_WP = artwork_.X_WP;
-  const auto& seen = belief_.perception;
-  if (!seen || std::ranges::none_of(plan_.wrap->chart().patch().samples, [&](const auto& s) {
-        return seen->finer_share(X_WP * s.p_P) > 0.0;
-      }))
-    return 0.0;
-  const auto finest_height = [&](double x, double y, SurfaceHeight::Sample& last) {
-    SurfaceHeight::Sample sample = surface()(x, y, last);
-    if (!sample) return sample;
-    const SurfaceEstimate there = seen->estimate(X_WP * sample->p_P);
-    const double lean = X_WP.R.col(2).dot(there.n_W);
-    if (there.status == SurfaceStatus::ok && lean > 0.1) sample->p_P.z() -= there.distance / lean;
-    return sample;
-  };
-  std::optional<Wrap> finest;
-  try {
-    finest = plan_.wrap->laid_on(finest_height);
-  } catch (const InputError&) {
-    return std::numeric_limits<double>::infinity();
-  }
-  double squares = 0.0, length = 0.0;
-  for (const PlacedStroke& stroke : plan_.requested)
-    for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
-      const auto here = plan_.wrap->to_flat(stroke.p_P[i]), other = finest->to_flat(stroke.p_P[i]);
-      if (!here || !other) continue;
-      const double piece = (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
-      squares += piece * (*here - *other).squaredNorm();
-      length += piece;
-    }
-  return length > 0.0 ? std::sqrt(squares / length) : 0.0;
-}
-
-// A note on places where the wrap is not certain.
-void Planning::note_wrap() {
-  constexpr double kDoubt = 3e-4;  // [m]
-  if (wrap_doubt_ > kDoubt)
-    plan_.notes.push_back(fmt::format(
-        "wrap: on slopes as steep as here, what the cameras do not resolve shifts the page: {}",
-        std::isinf(wrap_doubt_) ? "with the finest heights seen it cannot be laid flat at all"
-                                : fmt::format("the drawing may lie {:.1f} mm RMS beside its place",
-                                              1e3 * wrap_doubt_)));
-}
-
-// Where widths change faster than the force may.
-void Planning::note_spread_forces() {
-  constexpr double kLess = 0.2;  // [N]
-  double length = 0.0;
-  for (const PlacedStroke& stroke : plan_.strokes)
-    length += ForceProfile(stroke, s_.path.force_rate / s_.path.draw_speed).spread_length(kLess);
-  if (length > 0.0)
-    plan_.notes.push_back(
-        fmt::format("the force changes by at most {:.3g} N/s (path.force_rate): {:.1f} mm are "
-                    "drawn lighter than asked, where widths jump",
-                    s_.path.force_rate, 1e3 * length));
 }
 
 std::optional<DrawnPens> Planning::drawn_pens() const {
@@ -285,26 +219,6 @@ void Planning::require_pen_places() const {
   };
   require("pen.place", s_.pen.place);
   require("pen.spot", s_.pen.spot);
-}
-
-// The planner's surface ends at creases, and at steps that the cameras do not resolve (normals.h).
-void Planning::name_step(Finding* f) const {
-  if (!belief_.perception || f->problem != Problem::off_canvas) return;
-  if (belief_.planning->in_crease(f->p_W)) {
-    f->problem = Problem::crease;
-    f->text = "two sides of the surface meet at over 60° here, and the tip would touch both";
-    return;
-  }
-  const Roughness there = belief_.perception->roughness(f->p_W);
-  const double height = 2e3 * there.misfit, width = 2e3 * there.radius;  // [mm]
-  if (there.misfit > Roughness::kStepMisfit) {
-    f->problem = Problem::fold;
-    f->text = fmt::format("the surface steps by over {:.1f} mm within {:.0f} mm", height, width);
-  } else if (there.rougher_than(s_.preflight.roughest)) {
-    f->problem = Problem::too_rough;
-    f->text =
-        fmt::format("rougher than the cameras resolve, by {:.1f} mm over {:.0f} mm", height, width);
-  }
 }
 
 // True if it is so only where the canvas is before it has been watched.
@@ -345,7 +259,7 @@ void Planning::check(const std::vector<StrokePart>& lost) {
   for (Finding& f : plan_.where_it_is) f.part.stroke = source(f.part.stroke);
   for (Finding& f : plan_.preflight.findings) {
     f.part.stroke = source(f.part.stroke);
-    name_step(&f);
+    name_step(belief_, s_.preflight.roughest, &f);
   }
   for (const StrokePart& part : lost)
     plan_.preflight.findings.push_back(off_patch(artwork_.strokes, part, artwork_.X_WP));
@@ -355,7 +269,7 @@ void Planning::check(const std::vector<StrokePart>& lost) {
 // on `unreachable_`.
 void Planning::promise() {
   plan_.notes.clear();
-  if (plan_.wrap) note_wrap();
+  if (plan_.wrap) note_wrap(wrap_doubt_, &plan_.notes);
   const std::vector<Finding>& findings = plan_.preflight.findings;
   if (!findings.empty() && unreachable_ != Unreachable::tell) {
     const std::string first = refusal_text(findings.front(), seen_);
@@ -552,51 +466,6 @@ Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, const Bel
                Unreachable unreachable, const SettingErrors& setting_errors,
                const PrepareProgress& progress) {
   return Planning(scenario, artwork, belief, unreachable, setting_errors, progress).make();
-}
-
-namespace {
-
-// The bend, across the surface and beyond that of the spline, of the surface as perception knows it
-// best, at places spread evenly along the spline, ends included [1/m].
-std::vector<double> finer_bend(const SurfaceEstimator& seen, const Pose& X_WP,
-                               const PathSpline& spline) {
-  constexpr double kStep = 1e-3;  // [m]
-  const int steps = std::max(4, static_cast<int>(std::ceil(spline.length() / kStep)));
-  const double du = spline.length() / steps;
-  std::vector<double> height(static_cast<std::size_t>(steps) + 1, 0.0);
-  for (int i = 0; i <= steps; ++i) {
-    const SurfaceEstimate there = seen.estimate(X_WP * spline.at(i * du).p);
-    if (there.status == SurfaceStatus::ok) height[static_cast<std::size_t>(i)] = -there.distance;
-  }
-  // Over two steps either way: finer bends are beyond what the estimate resolves.
-  std::vector<double> bend(height.size(), 0.0);
-  for (std::size_t i = 2; i + 2 < height.size(); ++i)
-    bend[i] = std::abs(height[i + 2] - 2.0 * height[i] + height[i - 2]) / (4.0 * du * du);
-  return bend;
-}
-
-}  // namespace
-
-SpanLimits stroke_limits(const Belief& belief, const Plan& plan, const PathSettings& settings) {
-  const SpanLimits joints =
-      JointRates(belief.arm, settings, belief.start_q, plan.rest_q, plan.load);
-  if (!belief.perception) return joints;
-  return [joints, seen = belief.perception, X_WP = settings.X_WP, fastest = settings.normal_speed,
-          acceleration = settings.normal_acceleration](const PathSpline& spline,
-                                                       std::vector<SpeedSpan>* spans) {
-    const std::vector<double> bend = finer_bend(*seen, X_WP, spline);
-    for (std::size_t i = 0; i < spans->size(); ++i) {
-      const double at = (spline.start(i) + spline.end(i)) / 2.0;
-      const double error = seen->roughness(X_WP * spline.at(at).p).slope;
-      double& speed = (*spans)[i].speed;
-      if (error > 0.0) speed = std::min(speed, fastest / error);
-      const auto k =
-          static_cast<std::size_t>(at / spline.length() * static_cast<double>(bend.size() - 1));
-      const double sharper = std::max(bend[k], bend[std::min(k + 1, bend.size() - 1)]);
-      if (sharper > 0.0) speed = std::min(speed, std::sqrt(acceleration / sharper));
-    }
-    joints(spline, spans);
-  };
 }
 
 TipPath plan_from(const PathSettings& planned, const SurfaceHeight& surface,

@@ -36,7 +36,7 @@ struct Plan {
   DrawingLoad load;            // on the arm, while the pen is down
   PathSettings path_settings;  // the planner's; a sensor must be tared within start_hold
   TipPath path;                // empty if nothing can be drawn
-  bool rough = false;          // as is_rough() (pen_axis.h)
+  bool rough = false;          // as is_rough() (rough_ground.h)
   // Of `strokes`; none if all are drawn by one pen whose width does not change with its force.
   std::optional<DrawnPens> pens;
   std::vector<std::string> notes;  // what is not drawn, one line each
@@ -56,7 +56,7 @@ Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, const Bel
                const PrepareProgress& progress = {});
 
 // Limits along strokes that the path alone does not show: of the arm's joints (joint_rates.h), and
-// where the surface is rougher than it is known, path.normal_speed.
+// where the surface is rougher than it is known, path.normal_speed (plan_limits.cc).
 SpanLimits stroke_limits(const Belief& belief, const Plan& plan, const PathSettings& settings);
 
 // A separate path for some strokes or parts of strokes. It starts at p_WE, at rest, after `hold`
@@ -64,5 +64,14 @@ SpanLimits stroke_limits(const Belief& belief, const Plan& plan, const PathSetti
 TipPath plan_from(const PathSettings& settings, const SurfaceHeight& surface,
                   const std::vector<PlacedStroke>& strokes, const Eigen::Vector3d& p_WE,
                   const Eigen::Vector3d& n_W, double hold, const SpanLimits& limits = {});
+
+// The pre-flight's settings, completed from the rest of the scenario.
+// `seen`: cameras know the surface, so that the pen follows its normal. rest_q: the null space's.
+PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP, bool seen,
+                                     const JointVector& rest_q);
+
+// By how much the surface, as perceived, may be off [m]; for PreflightSettings::height_error.
+// Refers to the belief.
+std::function<double(const Eigen::Vector3d&)> height_error(const Belief& belief);
 
 }  // namespace impedraw

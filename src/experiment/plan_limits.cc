@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "impedraw/planning/preflight/joint_rates.h"
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
@@ -174,6 +173,51 @@ nlohmann::ordered_json plan_limits_json(const PlanLimits& limits) {
                         {"patch_radius_m", at.roughness.radius},
                         {"normal_error_rad", at.roughness.slope}};
   return json;
+}
+
+namespace {
+
+// The bend, across the surface and beyond that of the spline, of the surface as perception knows it
+// best, at places spread evenly along the spline, ends included [1/m].
+std::vector<double> finer_bend(const SurfaceEstimator& seen, const Pose& X_WP,
+                               const PathSpline& spline) {
+  constexpr double kStep = 1e-3;  // [m]
+  const int steps = std::max(4, static_cast<int>(std::ceil(spline.length() / kStep)));
+  const double du = spline.length() / steps;
+  std::vector<double> height(static_cast<std::size_t>(steps) + 1, 0.0);
+  for (int i = 0; i <= steps; ++i) {
+    const SurfaceEstimate there = seen.estimate(X_WP * spline.at(i * du).p);
+    if (there.status == SurfaceStatus::ok) height[static_cast<std::size_t>(i)] = -there.distance;
+  }
+  // Over two steps either way: finer bends are beyond what the estimate resolves.
+  std::vector<double> bend(height.size(), 0.0);
+  for (std::size_t i = 2; i + 2 < height.size(); ++i)
+    bend[i] = std::abs(height[i + 2] - 2.0 * height[i] + height[i - 2]) / (4.0 * du * du);
+  return bend;
+}
+
+}  // namespace
+
+SpanLimits stroke_limits(const Belief& belief, const Plan& plan, const PathSettings& settings) {
+  const SpanLimits joints =
+      JointRates(belief.arm, settings, belief.start_q, plan.rest_q, plan.load);
+  if (!belief.perception) return joints;
+  return [joints, seen = belief.perception, X_WP = settings.X_WP, fastest = settings.normal_speed,
+          acceleration = settings.normal_acceleration](const PathSpline& spline,
+                                                       std::vector<SpeedSpan>* spans) {
+    const std::vector<double> bend = finer_bend(*seen, X_WP, spline);
+    for (std::size_t i = 0; i < spans->size(); ++i) {
+      const double at = (spline.start(i) + spline.end(i)) / 2.0;
+      const double error = seen->roughness(X_WP * spline.at(at).p).slope;
+      double& speed = (*spans)[i].speed;
+      if (error > 0.0) speed = std::min(speed, fastest / error);
+      const auto k =
+          static_cast<std::size_t>(at / spline.length() * static_cast<double>(bend.size() - 1));
+      const double sharper = std::max(bend[k], bend[std::min(k + 1, bend.size() - 1)]);
+      if (sharper > 0.0) speed = std::min(speed, std::sqrt(acceleration / sharper));
+    }
+    joints(spline, spans);
+  };
 }
 
 }  // namespace impedraw

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "impedraw/experiment/finding_text.h"
 #include "impedraw/experiment/preview_of.h"
 #include "impedraw/terminal/progress.h"
 
@@ -175,6 +174,37 @@ std::string plan_text(const PlannedDrawing& e) {
                   e.plan.preflight.findings.size() == 1 ? "" : "s", 1e3 * length_not_drawable(e));
   for (const Finding& f : e.plan.preflight.findings) text += "    " + finding_text(f) + "\n";
   return text;
+}
+
+std::string refusal_text(const Finding& f, bool seen) {
+  static constexpr const char* kWords[] = {"leaves the canvas",
+                                           "crosses a fold of the surface",
+                                           "crosses a crease of the surface",
+                                           "crosses what is too rough",
+                                           "lies on too steep a slope",
+                                           "leaves the arm's reach",
+                                           "brings a joint to its limit",
+                                           "brings the arm near a singular posture",
+                                           "needs too much torque",
+                                           "makes the arm touch the canvas or the table",
+                                           "makes the pen's shaft touch the canvas or the table",
+                                           "cannot be followed without a jump of the joints",
+                                           "would have to crawl",
+                                           "leaves too short a remainder"};
+  static_assert(std::size(kWords) == static_cast<std::size_t>(Problem::too_short) + 1);
+  return fmt::format(
+      "stroke {} {}{}: {}, farthest at page ({:.1f}, {:.1f}) mm, world ({:.4f}, {:.4f}, {:.4f}) m",
+      f.part.stroke, kWords[static_cast<std::size_t>(f.problem)],
+      seen && f.problem == Problem::off_canvas ? ", as the cameras see it" : "", f.text,
+      f.page_mm.x(), f.page_mm.y(), f.p_W.x(), f.p_W.y(), f.p_W.z());
+}
+
+std::string finding_text(const Finding& f) {
+  return fmt::format(
+      "stroke {}, {:.1f} to {:.1f} mm of it: {}: {}; worst at page ({:.1f}, {:.1f}) mm, world "
+      "({:.3f}, {:.3f}, {:.3f}) m",
+      f.part.stroke, 1e3 * f.part.from, 1e3 * f.part.to, name_of(f.problem), f.text, f.page_mm.x(),
+      f.page_mm.y(), f.p_W.x(), f.p_W.y(), f.p_W.z());
 }
 
 }  // namespace impedraw

@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "impedraw/experiment/experiment.h"
+#include "impedraw/planning/preflight/preflight.h"
 #include "impedraw/planning/wrap/distortion.h"
 
 namespace impedraw {
@@ -23,5 +24,13 @@ nlohmann::ordered_json plan_json(const PlannedDrawing& drawing);
 
 // The same as text.
 std::string plan_text(const PlannedDrawing& drawing);
+
+// Pre-flight findings as text. Strokes have the artwork's numbers.
+
+// Names the stroke, the part of it, the problem, its size and its location.
+std::string finding_text(const Finding& finding);
+
+// The same, as the error message of a refused drawing. `seen`: the surface was seen by cameras.
+std::string refusal_text(const Finding& finding, bool seen);
 
 }  // namespace impedraw

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "impedraw/experiment/experiment.h"
-#include "impedraw/experiment/scene_cache.h"
+#include "impedraw/experiment/scene.h"
 #include "impedraw/experiment/truth.h"
 
 namespace impedraw {

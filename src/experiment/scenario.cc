@@ -16,16 +16,16 @@ PerceptionSettings::PerceptionSettings() {
 void describe(Fields& f, PlacementSettings& s) {
   using Limits = PlacementSettings::Limits;
   f.field(Limits::centre, s.centre_m,
-          "Where the middle of the drawing goes in the drawing plane (x, y).");
-  f.for_users();
+          "Where the middle of the drawing goes in the drawing plane (x, y).")
+      .for_users();
   f.field(Limits::scale, s.scale,
           "Millimetres on the canvas per millimetre on the page; null: set by one of the sizes.");
   f.field(Limits::width, s.width_mm,
-          "Size of the drawing across the page; null: set by another size.");
-  f.for_users();
+          "Size of the drawing across the page; null: set by another size.")
+      .for_users();
   f.field(Limits::height, s.height_mm,
-          "Size of the drawing down the page; null: set by another size.");
-  f.for_users();
+          "Size of the drawing down the page; null: set by another size.")
+      .for_users();
   f.field(Limits::fit_width, s.fit_width_m,
           "Width, along world y, of a rectangle that the drawing is scaled to fill; null: no bound "
           "that way.");
@@ -42,8 +42,8 @@ void describe(Fields& f, PlacementSettings& s) {
   f.field("about_page_origin", s.about_page_origin,
           "Puts the page's (0, 0) at the centre instead of the middle of the strokes.");
   f.field(Limits::rotate, s.rotate_deg,
-          "Rotation of the drawing, counter-clockwise as seen from above.");
-  f.for_users();
+          "Rotation of the drawing, counter-clockwise as seen from above.")
+      .for_users();
   f.field("mirror", s.mirror, "Mirrors the drawing left to right.");
 }
 
@@ -51,19 +51,17 @@ void describe(Fields& f, TextSettings& s) {
   using Limits = TextSettings::Limits;
   f.field("text", s.text,
           "Text to write in single strokes; \\n starts a new line; empty: the file or the shape is "
-          "drawn.");
-  f.for_users();
+          "drawn.")
+      .for_users();
   f.field("font", s.font,
           "Hershey font: futural, rowmans, scripts, gothiceng, ... (/usr/share/hershey-fonts); or "
-          "the path of an SVG 1.1 font (.svg).");
-  f.for_users();
+          "the path of an SVG 1.1 font (.svg).")
+      .for_users();
   f.field(Limits::size, s.size_mm,
           "Height of the capitals, on the canvas if the placement gives no size; null: the text is "
-          "fitted as a file is.");
-  f.for_users();
-  f.choice("align", s.align,
-           {{"left", TextAlign::left}, {"centre", TextAlign::centre}, {"right", TextAlign::right}},
-           "Alignment of the lines.");
+          "fitted as a file is.")
+      .for_users();
+  f.choice("align", s.align, {"left", "centre", "right"}, "Alignment of the lines.");
   f.field(Limits::line_spacing, s.line_spacing,
           "Distance between baselines, as a multiple of the capitals' height.");
 }
@@ -72,8 +70,8 @@ void describe(Fields& f, HatchSettings& s) {
   using Limits = HatchSettings::Limits;
   f.field(Limits::spacing, s.spacing_mm,
           "Distance, on the canvas, between the lines that stand for a fill; 0: fills are not "
-          "hatched. White is never hatched.");
-  f.for_users();
+          "hatched. White is never hatched.")
+      .for_users();
   f.field(Limits::angle, s.angle_deg,
           "Angle of the lines to the page's X axis, counter-clockwise.");
   f.field("cross", s.cross, "Adds a second set of lines at right angles.");
@@ -91,61 +89,51 @@ void describe(Fields& f, WrapSettings& s) {
 }
 
 void describe(Fields& f, DrawingSettings& s) {
-  using Limits = DrawingSettings::Limits;
   f.field("shape", s.shape,
-          "Built-in drawing: sine, M, sine10 or circle. It is used if svg and text are empty.");
-  f.for_users();
+          "Built-in drawing: sine, M, sine10 or circle. It is used if svg and text are empty.")
+      .for_users();
   f.field("svg", s.svg,
-          "File to draw: .svg, or strokes as .txt, .strokes or .csv; empty: the shape is drawn.");
-  f.for_users();
+          "File to draw: .svg, or strokes as .txt, .strokes or .csv; empty: the shape is drawn.")
+      .for_users();
   f.field("text", s.text, "Text that is written instead of a file or shape.");
-  f.choice("unit", s.unit,
-           {{"file", PageUnit::file},
-            {"mm", PageUnit::mm},
-            {"cm", PageUnit::cm},
-            {"in", PageUnit::in},
-            {"m", PageUnit::m},
-            {"px", PageUnit::px}},
+  f.choice("unit", s.unit, {"file", "mm", "cm", "in", "m", "px"},
            "Unit of the numbers in .txt, .strokes and .csv files; file: millimetres, or fractions "
            "of the page if all numbers lie between 0 and 1.");
-  f.choice("visible", s.visible, {{"as-painted", Visible::as_painted}, {"all", Visible::all}},
+  f.choice("visible", s.visible, {"as-painted", "all"},
            "What of an SVG is drawn. as-painted: what the eye sees; opaque fills, clip paths and "
            "masks hide lines, and white is not drawn. all: every line, as if nothing were hidden.");
-  f.choice("layers", s.layers,
-           {{"auto", LayerSource::automatic},
-            {"groups", LayerSource::groups},
-            {"colours", LayerSource::colours}},
+  f.choice("layers", s.layers, {"auto", "groups", "colours"},
            "What an SVG's layers are; each is drawn before the next. groups: Inkscape's layers and "
            "other groups at the top of the document. auto: its groups; its colours where there is "
            "one group at most, without a name, and two to eight colours.");
   f.field("layer", s.layer,
-          "Layers that are drawn, by number or name, as in '2,black'; empty: all of them.");
-  f.for_users();
-  f.field(Limits::join_gap, s.join_gap_mm,
+          "Layers that are drawn, by number or name, as in '2,black'; empty: all of them.")
+      .for_users();
+  f.field("join_gap", s.join_gap_mm, {0.0, 100.0}, "mm",
           "Largest gap on the page between ends of strokes that are joined; 0: none are joined.");
   f.field("dashes", s.dashes, "Draws dashed lines of an SVG as dashes.");
   f.field("hatch", s.hatch, "Hatching of an SVG's filled areas.");
-  f.field(Limits::simplify, s.simplify_mm,
+  f.field("simplify", s.simplify_mm, {0.0, 100.0}, "mm",
           "Largest distance, on the page, by which a stroke may change when points are dropped; 0: "
           "every point is kept.");
   f.field("keep_order", s.keep_order,
           "Keeps the order of the strokes in the file instead of shortening the travel between "
           "them.");
   f.field(
-      Limits::tilt, s.tilt_deg,
+      "tilt", s.tilt_deg, {-180.0, 180.0}, "deg",
       "Roll, pitch and yaw of the drawing plane about the world's origin; [0, -90, 0] is a wall "
       "that faces the arm.");
-  f.choice("mapping", s.mapping, {{"project", Mapping::project}, {"wrap", Mapping::wrap}},
+  f.choice("mapping", s.mapping, {"project", "wrap"},
            "How the page reaches the surface: projected along the drawing axis, or wrapped like a "
-           "sheet, which preserves lengths.");
-  f.for_users();
+           "sheet, which preserves lengths.")
+      .for_users();
   f.field("wrap", s.wrap, "How the surface is flattened for mapping: wrap.");
   f.field("skip_unreachable", s.skip_unreachable,
-          "Leaves out and reports what fails the pre-flight; otherwise nothing is drawn.");
-  f.for_users();
+          "Leaves out and reports what fails the pre-flight; otherwise nothing is drawn.")
+      .for_users();
   f.field("redraw", s.redraw,
           "Draws the parts that got no ink, judged by contact and force, once more at the end.");
-  f.field(Limits::dry_run, s.dry_run,
+  f.field("dry_run", s.dry_run, {0.005, 0.3}, "m",
           "Goes through the drawing in the air, at this height above the surface along the drawing "
           "plane's normal, and never seeks contact; null: draws.");
   f.field("placement", s.placement,
@@ -182,71 +170,68 @@ void describe(Fields& f, PreflightSettings& s) {
 }
 
 void describe(Fields& f, ArmSettings& s) {
-  using Limits = ArmSettings::Limits;
   f.choice(
-      "driver", s.driver,
-      {{"sim", ArmDriver::sim}, {"iiwa-lcm", ArmDriver::iiwa_lcm}, {"franka", ArmDriver::franka}},
-      "Who moves the arm: the simulator here, KUKA's iiwa over LCM, or Franka's FR3 through its "
-      "control interface (docs/arms.md).");
-  f.for_users();
+       "driver", s.driver, {"sim", "iiwa-lcm", "franka"},
+       "Who moves the arm: the simulator here, KUKA's iiwa over LCM, or Franka's FR3 through its "
+       "control interface (docs/arms.md).")
+      .for_users();
   f.field("url", s.url,
           "iiwa-lcm: the LCM broker, as in tcpq://127.0.0.1:7701. franka: the arm, as in "
-          "fci://172.16.0.2.");
-  f.for_users();
-  f.choice("clock", s.clock, {{"wall", ArmClock::wall}, {"lock_step", ArmClock::lock_step}},
+          "fci://172.16.0.2.")
+      .for_users();
+  f.choice("clock", s.clock, {"wall", "lock_step"},
            "Not sim: wall: states come by the arm's own clock; lock_step: the arm is simulated "
            "and waits for the answer to each state.");
-  f.field(Limits::delay, s.delay,
+  f.field("delay", s.delay, {0.0, 0.02}, "s",
           "Not sim: time from a state until the torque that answers it acts; control.loop_delay "
           "is then at least one step longer.");
-  f.field(Limits::wrench_delay, s.wrench_delay,
+  f.field("wrench_delay", s.wrench_delay, {0.0, 0.02}, "s",
           "iiwa-lcm: age of the wrench at the tip when it arrives, for control.wrench: "
           "ground_truth, which is then what the channel IMPEDRAW_TIP_WRENCH carries.");
-  f.field(Limits::max_silence, s.max_silence,
+  f.field("max_silence", s.max_silence, {0.005, 60.0}, "s",
           "Not sim: time without a state, by the wall clock, after which the session ends.");
-  f.field(Limits::recoveries, s.recoveries,
+  f.field("recoveries", s.recoveries, {0, 100}, "",
           "franka: how often in a run the arm may be asked to recover from a reflex, after which "
           "the drawing goes on. Never after a collision.");
   f.field("real_time", s.real_time,
           "Not sim, clock: wall: the loop's thread asks the system for real-time priority and "
           "locked memory; where it gets none, a note says so.");
-  f.field("urdf", s.urdf, "URDF of the arm with its pen; empty: the iiwa 14 in models/.");
-  f.for_users();
+  f.field("urdf", s.urdf, "URDF of the arm with its pen; empty: the iiwa 14 in models/.")
+      .for_users();
   f.field(kRotorInertia, s.rotor_inertia,
           "Inertia of the rotors about the joints' axes, reflected through their gears, as the "
           "controller's model has it: one for all joints or one for each; empty: what the URDF's "
           "impedraw element says, else none. With torque_bandwidth: what the torque loop leaves of "
-          "it, and by default joint_stiffness/torque_bandwidth².");
-  f.or_one();
+          "it, and by default joint_stiffness/torque_bandwidth².")
+      .or_one();
   f.field("joint_stiffness", s.joint_stiffness, JointSpringSettings::Limits::stiffness.range,
           "Nm/rad",
           "Stiffness of the joints' gears and torque sensors: one for all joints or one for each; "
-          "empty: rigid. The set-up rehearses with it what observer the arm bears.");
-  f.or_one();
+          "empty: rigid. The set-up rehearses with it what observer the arm bears.")
+      .or_one();
   f.field("torque_bandwidth", s.torque_bandwidth, JointSpringSettings::Limits::loop_bandwidth.range,
           "rad/s", "Bandwidth of the arm's own torque loop; 0: none.");
-  f.field(Limits::posture_seed, s.posture_seed,
+  f.field("posture_seed", s.posture_seed, {-3.2, 3.2}, "rad",
           "Joint angles from which the inverse kinematics starts, one per joint; empty: those of "
           "the iiwa for seven joints, else found by a search.");
-  f.field(Limits::q_0, s.q_0,
+  f.field("q_0", s.q_0, {-3.2, 3.2}, "rad",
           "Rest posture of the null space, one angle per joint; empty: the posture over the middle "
           "of the drawing.");
-  f.field(Limits::start, s.start_p_WE,
+  f.field("start", s.start_p_WE, {-2.0, 2.0}, "m",
           "Position of the pen tip during the snapshot and at the start.");
 }
 
 void describe(Fields& f, FenceSettings& s) {
-  using Limits = FenceSettings::Limits;
-  f.field(Limits::low, s.low, "Lowest coordinates that the tip may have.");
-  f.field(Limits::high, s.high, "Highest coordinates that the tip may have.");
-  f.field(Limits::force, s.force,
+  f.field("low", s.low, {-2.0, 2.0}, "m", "Lowest coordinates that the tip may have.");
+  f.field("high", s.high, {-2.0, 2.0}, "m", "Highest coordinates that the tip may have.");
+  f.field("force", s.force, {1.0, 200.0}, "N",
           "Measured force on the tip that ends the run; null: 150 N, where it is measured. Needs "
           "control.wrench.");
-  f.field(Limits::moment, s.moment,
+  f.field("moment", s.moment, {0.1, 200.0}, "Nm",
           "Measured moment at the tip that ends the run; null: 30 Nm, where it is measured. Needs "
           "control.wrench.");
-  f.field(Limits::speed, s.speed, "Speed of the tip that ends the run; null: none.");
-  f.field(Limits::lag, s.lag,
+  f.field("speed", s.speed, {0.01, 5.0}, "m/s", "Speed of the tip that ends the run; null: none.");
+  f.field("lag", s.lag, {0.01, 2.0}, "m",
           "Distance of the tip from the point that it is driven to that ends the run after 0.1 s.");
 }
 
@@ -268,17 +253,13 @@ void describe(Fields& f, TouchSettings& s) {
 }
 
 void describe(Fields& f, BlindSettings& s) {
-  using Limits = BlindSettings::Limits;
-  f.choice("height", s.height,
-           {{"canvas", BlindHeight::canvas},
-            {"plane", BlindHeight::plane},
-            {"touch", BlindHeight::touch}},
+  f.choice("height", s.height, {"canvas", "plane", "touch"},
            "What is known of the surface's height without perception. canvas: all; plane: that it "
            "lies between plane_z, where the set-point is, and top_z; touch: the same, and it is "
            "found and followed by the measured wrench.");
-  f.field(Limits::plane_z, s.plane_z,
+  f.field("plane_z", s.plane_z, {-2.0, 2.0}, "m",
           "Level beneath the surface, along the drawing axis, for height: plane and touch.");
-  f.field(Limits::top_z, s.top_z,
+  f.field("top_z", s.top_z, {-2.0, 2.0}, "m",
           "Level above the surface, along the drawing axis, for height: plane and touch.");
   f.field("touch", s.touch, "How the surface is learned from touch, for height: touch.");
 }
@@ -290,8 +271,7 @@ void describe(Fields& f, PathSettings& s) {
           "Height above the first point of a stroke at which the approach begins.");
   f.field(Limits::approach_speed, s.approach_speed, "Speed of the approach to the first point.");
   f.field(Limits::settle_time, s.settle_time, "Time at the first point before drawing.");
-  f.field(Limits::draw_speed, s.draw_speed, "Speed along a stroke, on the surface.");
-  f.for_users();
+  f.field(Limits::draw_speed, s.draw_speed, "Speed along a stroke, on the surface.").for_users();
   f.field(Limits::draw_acceleration, s.draw_acceleration,
           "Largest acceleration of the desired tip along a stroke.");
   f.field(Limits::end_hold, s.end_hold, "Time at the last point before the lift.");
@@ -341,8 +321,7 @@ void describe(Fields& f, PathSettings& s) {
 
 void describe(Fields& f, GivenPen& s) {
   using Limits = GivenPen::Limits;
-  f.field(Limits::width, s.width, "Line width at the nominal force.");
-  f.for_users();
+  f.field(Limits::width, s.width, "Line width at the nominal force.").for_users();
   f.field(Limits::width_per_newton, s.width_per_newton,
           "Change of the line width with the force; 0: constant width.");
   f.field(Limits::nominal_force, s.nominal_force, "Force at which the line has its nominal width.");
@@ -381,8 +360,7 @@ void describe(Fields& f, LayerPenSettings& s) {
 
 void describe(Fields& f, ToolSettings& s) {
   using Limits = ToolSettings::Limits;
-  f.choice("kind", s.kind,
-           {{"pen", ToolKind::pen}, {"pad", ToolKind::pad}, {"engraver", ToolKind::engraver}},
+  f.choice("kind", s.kind, {"pen", "pad", "engraver"},
            "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
            "foam. engraver: a turning cone that cuts grooves.");
   f.field(Limits::radius, s.radius, "Radius of the pad.");
@@ -412,7 +390,7 @@ void describe(Fields& f, CoverSettings& s) {
 }
 
 void describe(Fields& f, LogSettings& s) {
-  f.choice("rate", s.rate, {{"reduced", LogRate::reduced}, {"full", LogRate::full}},
+  f.choice("rate", s.rate, {"reduced", "full"},
            "full: everything of every control step; reduced: a sixth of its size, the same "
            "metrics.json, and rows at 62.5 Hz and at the extremes of the force");
 }
@@ -426,11 +404,8 @@ void describe(Fields& f, PushSettings& s);
 void describe(Fields& f, FaultSettings& s);
 
 void describe(Fields& f, Scenario& s) {
-  using Limits = Scenario::Limits;
-  f.field("name", s.name, "Name of the run, and of its folder.");
-  f.for_users();
-  f.field(Limits::seed, s.seed, "Seed of all random numbers.");
-  f.for_users();
+  f.field("name", s.name, "Name of the run, and of its folder.").for_users();
+  f.field("seed", s.seed, {0, 1e9}, "", "Seed of all random numbers.").for_users();
   f.field("drawing", s.drawing, "What is drawn.");
   f.field("canvas", s.canvas, "The surface that is drawn on.");
   f.field("arm", s.arm, "The robot arm.");

@@ -61,13 +61,6 @@ struct DrawingSettings {
   bool redraw = true;             // redraws once what got no ink
   // Height above the surface at which the drawing is gone through in the air [m]; none: no dry run.
   std::optional<double> dry_run;
-
-  struct Limits {
-    static constexpr Limit join_gap = {"join_gap", "mm", {0.0, 100.0}};
-    static constexpr Limit simplify = {"simplify", "mm", {0.0, 100.0}};
-    static constexpr Limit tilt = {"tilt", "deg", {-180.0, 180.0}};
-    static constexpr Limit dry_run = {"dry_run", "m", {0.005, 0.3}};
-  };
 };
 
 // Who moves the arm, and whose clock the loop follows.
@@ -92,7 +85,7 @@ struct ArmSettings {
   std::filesystem::path urdf;  // empty: models/iiwa14_pen.urdf
   // As the controller's model has it, of all joints or of each; empty: what the URDF says [kg m²].
   std::vector<double> rotor_inertia;
-  // Springs in the joints and the arm's own torque loop, as the set-up knows them (spring_check.h):
+  // Springs in the joints and the arm's own torque loop, as the set-up knows them (rotor_check.h):
   // of all joints or of each, empty: rigid [Nm/rad]; 0: no loop [rad/s].
   std::vector<double> joint_stiffness;
   double torque_bandwidth = 0.0;
@@ -103,16 +96,6 @@ struct ArmSettings {
   std::vector<double> q_0;
   // Tip position at the snapshot and at the start [m].
   Eigen::Vector3d start_p_WE{0.45, 0.0, 0.50};
-
-  struct Limits {
-    static constexpr Limit delay = {"delay", "s", {0.0, 0.02}};
-    static constexpr Limit wrench_delay = {"wrench_delay", "s", {0.0, 0.02}};
-    static constexpr Limit max_silence = {"max_silence", "s", {0.005, 60.0}};
-    static constexpr Limit recoveries = {"recoveries", "", {0, 100}};
-    static constexpr Limit posture_seed = {"posture_seed", "rad", {-3.2, 3.2}};
-    static constexpr Limit q_0 = {"q_0", "rad", {-3.2, 3.2}};
-    static constexpr Limit start = {"start", "m", {-2.0, 2.0}};
-  };
 };
 
 // Limits whose violation ends a run at once, with any arm (run/monitors/fence_monitor.h).
@@ -123,15 +106,6 @@ struct FenceSettings {
   std::optional<double> force, moment;
   std::optional<double> speed;  // of the tip [m/s]; none: no fence
   double lag = 0.2;             // of the tip behind the point that it is driven to [m]
-
-  struct Limits {
-    static constexpr Limit low = {"low", "m", {-2.0, 2.0}};
-    static constexpr Limit high = {"high", "m", {-2.0, 2.0}};
-    static constexpr Limit force = {"force", "N", {1.0, 200.0}};
-    static constexpr Limit moment = {"moment", "Nm", {0.1, 200.0}};
-    static constexpr Limit lag = {"lag", "m", {0.01, 2.0}};
-    static constexpr Limit speed = {"speed", "m/s", {0.01, 5.0}};
-  };
 };
 
 struct CameraSettings {
@@ -140,10 +114,7 @@ struct CameraSettings {
   int width = 640, height = 480;
   double fov_y_deg = 60.0;
 
-  struct Limits : DepthCamera::Limits {
-    static constexpr Limit position = {"position", "m", {-10.0, 10.0}};
-    static constexpr Limit target = {"target", "m", {-10.0, 10.0}};
-  };
+  using Limits = DepthCamera::Limits;
 };
 
 // Differences of the true cameras from what is believed of them. The directions of each camera's
@@ -153,13 +124,6 @@ struct CameraErrors {
   double turn_deg = 0.0;     // about an axis through its pinhole
   double depth_scale = 0.0;  // depths read 1 + depth_scale times the true ones
   double time_stamp = 0.0;   // a frame's time stamp is later than its exposure by this [s]
-
-  struct Limits {
-    static constexpr Limit shift = {"shift", "m", {0.0, 0.1}};
-    static constexpr Limit turn = {"turn", "deg", {0.0, 10.0}};
-    static constexpr Limit depth_scale = {"depth_scale", "", {-0.2, 0.2}};
-    static constexpr Limit time_stamp = {"time_stamp", "s", {-0.2, 0.2}};
-  };
 };
 
 // The source of perception's cloud.
@@ -193,12 +157,7 @@ struct PerceptionSettings {
   double watch = kWatchTime;  // before the first stroke, if there are frames [s]
   CanvasPoseSource canvas_pose = CanvasPoseSource::tracked;
 
-  struct Limits : CloudSettings::Limits {
-    static constexpr Limit watch = kWatchLimit;
-    static constexpr Limit viewpoint = {"viewpoint", "m", {-100.0, 100.0}};
-    static constexpr Limit region_lower = {"region_lower", "m", {-10.0, 10.0}};
-    static constexpr Limit region_upper = {"region_upper", "m", {-10.0, 10.0}};
-  };
+  using Limits = CloudSettings::Limits;
 
   PerceptionSettings();
 };
@@ -213,11 +172,6 @@ struct BlindSettings {
   double plane_z = 0.02;  // the lower level, along the drawing axis [m]
   double top_z = 0.20;    // the upper level [m]
   TouchSettings touch;
-
-  struct Limits {
-    static constexpr Limit plane_z = {"plane_z", "m", {-2.0, 2.0}};
-    static constexpr Limit top_z = {"top_z", "m", {-2.0, 2.0}};
-  };
 };
 
 enum class VelocitySource {
@@ -237,7 +191,7 @@ struct JointSensingSettings {
 
 // FeltNormalSettings of a scenario.
 struct GivenFeltNormal {
-  std::optional<double> share;  // none: by the surface's roughness (pen_axis.h)
+  std::optional<double> share;  // none: by the surface's roughness (rough_ground.h)
   double deviation = FeltNormalSettings().deviation;
   double force_error = FeltNormalSettings().force_error;
 
@@ -250,7 +204,7 @@ struct ControlSettings : ImpedanceSettings {
   WrenchSource source = WrenchSource::truth;
   SensingSettings sensing;
   JointSensingSettings joint_sensing;
-  // By the surface's roughness (pen_axis.h) where they are absent.
+  // By the surface's roughness (rough_ground.h) where they are absent.
   std::optional<PenAxis> pen_axis;
   std::optional<double> normal_error_deg;
   GivenFeltNormal felt_normal;
@@ -266,11 +220,7 @@ struct ControlSettings : ImpedanceSettings {
   // Stiffness of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.
   std::vector<double> null_stiffness;
 
-  struct Limits : ImpedanceSettings::Limits {
-    static constexpr Limit torque_delay = {"torque_delay", "s", {0.0, 0.02}};
-    static constexpr Limit torque_share = {"torque_share", "", {0.01, 1.0}};
-    static constexpr Limit joint_speed_share = {"joint_speed_share", "", {0.01, 1.0}};
-  };
+  using Limits = ImpedanceSettings::Limits;
 };
 
 // A push on the pen or on a link of the arm, like that of a hand.
@@ -283,14 +233,6 @@ struct PushSettings {
   // Time, as a fraction of the time from the first stroke's start to the last stroke's end.
   double middle = 0.5;
   double duration = 1.0;  // [s]
-
-  struct Limits {
-    static constexpr Limit force = {"force", "N", {0.0, 200.0}};
-    static constexpr Limit direction = {"direction", "", {-1.0, 1.0}};
-    static constexpr Limit lift = {"lift", "N", {-200.0, 200.0}};
-    static constexpr Limit middle = {"middle", "", {0.0, 1.0}};
-    static constexpr Limit duration = {"duration", "s", {0.0, 1000.0}};
-  };
 };
 
 // The pen of `pen`, and how it is changed for one of `pens` (pen_changes.h).
@@ -344,10 +286,6 @@ struct Scenario {
   LogSettings log;
   std::vector<PushSettings> pushes;
   std::vector<FaultSettings> faults;
-
-  struct Limits {
-    static constexpr Limit seed = {"seed", "", {0, 1e9}};
-  };
 };
 
 // The simulated world is made of what was seen: there is no truth to judge against.

@@ -8,6 +8,8 @@
 
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/common/pose.h"
+#include "impedraw/experiment/artwork.h"
+#include "impedraw/experiment/belief.h"
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/settings/setting_error.h"
 
@@ -41,5 +43,14 @@ JointVector start_posture(ArmSettings& settings, ArmModel& arm, const Pose& X_WP
                           const SettingErrors& setting_errors,
                           const std::function<std::string(const JointVector&)>& touching,
                           std::vector<std::string>* notes);
+
+// The rest posture of the null space.
+
+// Returns arm.q_0 if given. Otherwise the tip is on the surface at the drawing's centre, or, if
+// there is none, at the middle of the first of `strokes` that has one. Throws InputError if q_0 is
+// not a posture of the arm.
+JointVector rest_posture(const ArmSettings& settings, const PlacedArtwork& artwork,
+                         const std::vector<PlacedStroke>& strokes, const Belief& belief,
+                         const SettingErrors& setting_errors);
 
 }  // namespace impedraw

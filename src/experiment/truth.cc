@@ -1,9 +1,11 @@
 #include "impedraw/experiment/truth.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "impedraw/experiment/height_sources.h"
-#include "impedraw/experiment/promise_of.h"
+#include "impedraw/experiment/plan_summary.h"
 
 namespace impedraw {
 
@@ -54,6 +56,64 @@ Yardstick yardstick_of(const PlannedDrawing& e, const Truth& truth,
   Promise promise = promise_of(e, truth, target);
   return {std::move(target), truth.canvas->mesh(), truth.canvas,
           truth.world->canvas_motion().moves(), std::move(promise)};
+}
+
+Promise promise_of(const PlannedDrawing& e, const Truth& truth, const TargetLine& target) {
+  Promise p;
+  p.asked = plane_length(e.artwork.strokes);
+  p.promised = plane_length(e.plan.strokes);
+  p.undrawable = length_not_drawable(e);
+  p.unnamed = unnamed_length(e);
+  if (!e.plan.wrap) p.reachable = reachable_length(e, truth);
+  for (const Finding& f : e.plan.preflight.findings) {
+    ++p.problems[name_of(f.problem)];
+    p.lengths[name_of(f.problem)] += f.part.length();
+  }
+  p.asks_ink = !e.scenario.drawing.dry_run;
+  double least = 1.0;
+  for (const Eigen::Vector3d& p_W : target.points)
+    least = std::min(least, truth.canvas->closest(p_W).n_W.z());
+  p.slope = std::acos(std::clamp(least, -1.0, 1.0));
+  p.time = e.plan.path.duration();
+  p.axis_W = e.artwork.X_WP.R.col(2);
+  return p;
+}
+
+double reachable_length(const PlannedDrawing& e, const Truth& truth) {
+  constexpr double step = 1e-3, least_cosine = 0.2588;  // of 75°
+  const Canvas& canvas = *truth.canvas;
+  const Eigen::AlignedBox3d& box = canvas.bounds();
+  const Eigen::Vector3d axis_W = e.artwork.X_WP.R.col(2);
+  double sum = 0.0;
+  for (const PlacedStroke& stroke : e.artwork.strokes) {
+    for (std::size_t i = 0; i + 1 < stroke.p_P.size(); ++i) {
+      const Eigen::Vector2d a_P = stroke.p_P[i], piece_P = stroke.p_P[i + 1] - a_P;
+      const int parts = std::max(1, static_cast<int>(std::ceil(piece_P.norm() / step)));
+      for (int k = 0; k < parts; ++k) {
+        const Eigen::Vector2d p_P = a_P + (k + 0.5) / parts * piece_P;
+        const Eigen::Vector3d p_W = e.artwork.X_WP * Eigen::Vector3d(p_P.x(), p_P.y(), 0.0);
+        const double above = (p_W - box.center()).norm() + box.diagonal().norm();
+        const auto hit = canvas.ray(p_W + above * axis_W, -axis_W);
+        if (hit && hit->n_W.dot(axis_W) > least_cosine) sum += piece_P.norm() / parts;
+      }
+    }
+  }
+  for (const Finding& f : e.plan.preflight.findings)
+    if (f.problem >= Problem::out_of_reach && f.problem <= Problem::arm_collision)
+      sum -= f.part.length();
+  return std::max(0.0, sum);
+}
+
+double unnamed_length(const PlannedDrawing& e) {
+  std::vector<StrokePart> told;
+  for (StrokePart part : e.plan.preflight.drawable) {
+    part.stroke = e.plan.source[static_cast<std::size_t>(part.stroke)];
+    told.push_back(part);
+  }
+  for (const Finding& f : e.plan.preflight.findings) told.push_back(f.part);
+  double sum = 0.0;
+  for (const StrokePart& part : rest_of(e.artwork.strokes, told)) sum += part.length();
+  return sum;
 }
 
 }  // namespace impedraw

@@ -29,14 +29,6 @@ struct SensingSettings {
   std::optional<double> sensor_delay;  // absent: the true delay [s]
   double filter_bandwidth = 0.0;       // [rad/s]; 0: none
   double tare_time = 0.4;              // [s]
-
-  // At the step of a scenario's world; the estimator's own limits follow from its step.
-  struct Limits {
-    static constexpr Limit tip_distance = {"tip_distance", "m", {0.0, 2.0}};
-    static constexpr Limit sensor_delay = {"sensor_delay", "s", {0.0, 0.03}};
-    static constexpr Limit filter_bandwidth = {"filter_bandwidth", "rad/s", {0.0, 1900.0}};
-    static constexpr Limit tare_time = {"tare_time", "s", {0.01, 60.0}};
-  };
 };
 
 // Estimator settings for the time step dt [s] and the given sensor.

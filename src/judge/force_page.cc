@@ -1,7 +1,6 @@
 // The page and the table of the force benchmark.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 

@@ -16,8 +16,7 @@
 #include "impedraw/common/rotation_vector.h"
 #include "impedraw/common/seeded_normals.h"
 #include "impedraw/experiment/input_files.h"
-#include "impedraw/judge/crisp_law.h"
-#include "impedraw/judge/feedforward_law.h"
+#include "impedraw/judge/peer_laws.h"
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/simulated_arm.h"
 

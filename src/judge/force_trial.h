@@ -28,8 +28,8 @@ namespace impedraw {
 
 enum class ForceController {
   ours,       // this program's (control/impedance.h)
-  crisp,      // crisp_law.h
-  impedance,  // feedforward_law.h
+  crisp,      // peer_laws.h
+  impedance,  // peer_laws.h
 };
 inline constexpr std::string_view kForceControllerNames[] = {"ours", "crisp", "impedance"};
 // As the page calls them.
@@ -67,8 +67,6 @@ class ForceBench {
   ForceBench(Prepared& experiment, const DriverMaker& make_driver, bool has_sensor);
   ~ForceBench();
 
-  // The arm is simulated here.
-  bool own_world() const { return driver_ == nullptr; }
   // seed: 1 for the first run. `go_on` is asked each cycle; false: the pen goes up, and the run
   // has ended early.
   ForceRun run(const ForceCase& c, ForceController controller, int seed,

@@ -8,22 +8,18 @@
 #include <csignal>
 #include <cstring>
 #include <mutex>
-#include <optional>
 #include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
-#include "impedraw/common/errors.h"
-#include "impedraw/live/local_access.h"
 #include "impedraw/live/local_http.h"
 
 namespace impedraw {
@@ -36,15 +32,9 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using Error = beast::error_code;
-using Request = http::request<http::empty_body>;
-using Response = http::response<http::string_body>;
 
-constexpr std::size_t kMostHeader = 8192;  // [bytes]
-constexpr std::size_t kMostMessage = 64;   // of a viewer [bytes]
-constexpr std::size_t kMostRequests = 24;  // that have not become viewers
+constexpr std::size_t kMostMessage = 64;  // of a viewer [bytes]
 constexpr std::size_t kRowsAMessage = 512;
-
-std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 void append_number(std::uint32_t number, std::string* out) {
   for (int shift = 0; shift < 32; shift += 8) *out += static_cast<char>((number >> shift) & 0xff);
@@ -58,14 +48,12 @@ struct Shared {
 
   const LiveSettings settings;
   RowRing ring;
-  LocalAccess access;
   std::string page;
   std::atomic<bool> paused = false, stopped = false, emergency = false;
   std::atomic<std::size_t> viewer_count = 0;
 
   // Of the server's thread.
   std::vector<float> kept;  // rows, oldest first
-  std::size_t requests = 0;
   bool ending = false;
   std::shared_ptr<const std::string> report;
   std::vector<std::shared_ptr<Viewer>> viewers;
@@ -87,7 +75,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   Viewer(beast::tcp_stream stream, Shared& shared, double since)
       : ws_(std::move(stream)), shared_(shared), since_(since) {}
 
-  void accept(const Request& request) {
+  void accept(const LocalVisit::Request& request) {
     ws_.read_message_max(kMostMessage);
     websocket::stream_base::timeout limits{};
     limits.handshake_timeout = shared_.settings.request_time;
@@ -229,84 +217,16 @@ void Shared::take_rows() {
   }
 }
 
-// A connection until it is answered or becomes a viewer.
-class Visit : public std::enable_shared_from_this<Visit> {
- public:
-  Visit(tcp::socket socket, Shared& shared) : stream_(std::move(socket)), shared_(shared) {
-    ++shared_.requests;
-  }
-  ~Visit() { --shared_.requests; }
-
-  void read() {
-    parser_.header_limit(kMostHeader);
-    parser_.body_limit(0);
-    stream_.expires_after(shared_.settings.request_time);
-    const auto self = shared_from_this();
-    http::async_read(stream_, buffer_, parser_, [self](Error error, std::size_t) {
-      if (error == http::error::header_limit)
-        return self->answer(http::status::request_header_fields_too_large, "too long\n");
-      if (error) return;
-      self->handle();
-    });
-  }
-
- private:
-  void handle() {
-    const Request& request = parser_.get();
-    const bool upgrade = websocket::is_upgrade(request);
-    const std::string_view target = view_of(request.target());
-    const std::size_t query = target.find("?token=");
-    const std::string_view path = target.substr(0, query);
-    std::string_view token = query == target.npos ? std::string_view() : target.substr(query + 7);
-    double since = -1.0;
-    if (const std::size_t more = token.find("&since="); more != token.npos) {
-      since = std::strtod(std::string(token.substr(more + 7)).c_str(), nullptr);
-      token = token.substr(0, more);
-    }
-    if (const char* refusal =
-            shared_.access.refusal(view_of(request[http::field::host]),
-                                   view_of(request[http::field::origin]), upgrade, token))
-      return answer(http::status::forbidden, refusal);
-    if (request.method() != http::verb::get)
-      return answer(http::status::method_not_allowed, "GET alone\n");
-    if (path == "/live" && upgrade) {
-      if (shared_.viewers.size() >= shared_.settings.most_viewers)
-        return answer(http::status::service_unavailable, "as many viewers as may be\n");
-      stream_.expires_never();  // the WebSocket has limits of its own
-      auto viewer = std::make_shared<Viewer>(std::move(stream_), shared_, since);
-      shared_.viewers.push_back(viewer);
-      shared_.viewer_count = shared_.viewers.size();
-      return viewer->accept(request);
-    }
-    if (path == "/" && !upgrade)
-      return answer(http::status::ok, shared_.page, "text/html; charset=utf-8");
-    answer(http::status::not_found, "nothing here\n");
-  }
-
-  void answer(http::status status, std::string body, const char* type = "text/plain") {
-    response_ = local_answer(status, std::move(body), type);
-    stream_.expires_after(shared_.settings.request_time);
-    http::async_write(stream_, response_, [self = shared_from_this()](Error, std::size_t) {
-      Error ignored;
-      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
-    });
-  }
-
-  beast::tcp_stream stream_;
-  Shared& shared_;
-  beast::flat_buffer buffer_{2 * kMostHeader};
-  http::request_parser<http::empty_body> parser_;
-  Response response_;
-};
-
 }  // namespace
 
 class LiveServer::Impl {
  public:
   explicit Impl(const LiveSettings& settings)
-      : shared_(settings), acceptor_(io_), timer_(io_), begin_(std::chrono::steady_clock::now()) {
-    shared_.access.listens_on(listen_locally(&acceptor_, settings.port));
-  }
+      : shared_(settings),
+        server_(io_, settings.port,
+                {[this](LocalVisit& visit) { handle(visit); }, 0, settings.request_time}),
+        timer_(io_),
+        begin_(std::chrono::steady_clock::now()) {}
 
   ~Impl() {
     if (!thread_.joinable()) return;
@@ -320,7 +240,7 @@ class LiveServer::Impl {
 
   void serve(std::string page) {
     shared_.page = std::move(page);
-    accept();
+    server_.accept();
     tick();
     // Signals are for the run's thread.
     sigset_t all, before;
@@ -353,27 +273,31 @@ class LiveServer::Impl {
   }
 
   Shared& shared() { return shared_; }
+  const LocalAccess& access() const { return server_.access(); }
   float milliseconds() const {
     return std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - begin_)
         .count();
   }
 
  private:
-  void accept() {
-    acceptor_.async_accept([this](Error error, tcp::socket socket) {
-      if (error) {
-        // Too many files are open, say: later.
-        retry_.expires_after(std::chrono::milliseconds(200));
-        retry_.async_wait([this](Error stopped) {
-          if (!stopped) accept();
-        });
-        return;
-      }
-      socket.set_option(tcp::no_delay(true), error);
-      if (shared_.requests < kMostRequests)
-        std::make_shared<Visit>(std::move(socket), shared_)->read();
-      accept();
-    });
+  void handle(LocalVisit& visit) {
+    const std::string_view path = visit.path();
+    if (visit.request().method() != http::verb::get)
+      return visit.answer(http::status::method_not_allowed, "GET alone\n");
+    if (path == "/live" && visit.is_upgrade()) {
+      if (shared_.viewers.size() >= shared_.settings.most_viewers)
+        return visit.answer(http::status::service_unavailable, "as many viewers as may be\n");
+      const std::string_view since = visit.parameter("since");
+      const auto viewer = std::make_shared<Viewer>(
+          visit.take(), shared_,
+          since.empty() ? -1.0 : std::strtod(std::string(since).c_str(), nullptr));
+      shared_.viewers.push_back(viewer);
+      shared_.viewer_count = shared_.viewers.size();
+      return viewer->accept(visit.request());
+    }
+    if (path == "/" && !visit.is_upgrade())
+      return visit.answer(http::status::ok, shared_.page, "text/html; charset=utf-8");
+    visit.answer(http::status::not_found, "nothing here\n");
   }
 
   void tick() {
@@ -394,8 +318,8 @@ class LiveServer::Impl {
 
   Shared shared_;  // outlives what io_ still holds
   asio::io_context io_{1};
-  tcp::acceptor acceptor_;
-  asio::steady_timer timer_, retry_{io_};
+  LocalServer server_;
+  asio::steady_timer timer_;
   std::chrono::steady_clock::time_point begin_;
   std::thread thread_;
   std::mutex mutex_;
@@ -405,8 +329,8 @@ class LiveServer::Impl {
 
 LiveServer::LiveServer(const LiveSettings& settings) : impl_(std::make_shared<Impl>(settings)) {}
 LiveServer::~LiveServer() = default;
-int LiveServer::port() const { return impl_->shared().access.port(); }
-std::string LiveServer::address() const { return impl_->shared().access.address(); }
+int LiveServer::port() const { return impl_->access().port(); }
+std::string LiveServer::address() const { return impl_->access().address(); }
 void LiveServer::serve(std::string page) { impl_->serve(std::move(page)); }
 RowRing& LiveServer::rows() noexcept { return impl_->shared().ring; }
 void LiveServer::pause() noexcept { impl_->shared().paused = true; }

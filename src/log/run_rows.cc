@@ -2,7 +2,6 @@
 
 #include "impedraw/log/log_columns.h"
 #include "impedraw/log/log_reader.h"
-#include "impedraw/log/visit_rows.h"
 
 namespace impedraw {
 

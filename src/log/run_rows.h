@@ -3,10 +3,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
+#include "impedraw/log/log.h"
 
 namespace impedraw {
 
@@ -49,5 +52,12 @@ bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns c
 // dataset if the file is no log, lacks a dataset, or has one of the wrong shape. The log of a
 // killed run is read up to the last row that is complete in every dataset.
 RunRows read_rows(const std::filesystem::path& path);
+
+// The rows of run.h5, one after the other.
+
+// Hands over the rows of a log, one after the other, with time, stroke, measured joint positions,
+// pose of the tip, contact force and normal, measured wrench, estimated normal and poses of the
+// canvas. Throws InputError as read_rows(), or if rows cannot be read.
+void visit_rows(const std::filesystem::path& path, const std::function<void(const LogRow&)>& visit);
 
 }  // namespace impedraw

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "impedraw/report/decimate.h"
-#include "impedraw/report/plot_series.h"
 
 namespace impedraw {
 

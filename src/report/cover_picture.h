@@ -3,7 +3,6 @@
 // place, pressure times way, over the mean.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>

@@ -9,7 +9,7 @@
 
 #include "impedraw/metrics/statistics.h"
 #include "impedraw/report/decimate.h"
-#include "impedraw/report/relief_drawing.h"
+#include "impedraw/report/relief.h"
 
 namespace impedraw {
 namespace {

@@ -1,10 +1,9 @@
 #include "impedraw/report/plan_picture.h"
 
-#include <algorithm>
 #include <map>
 
 #include "impedraw/report/decimate.h"
-#include "impedraw/report/relief_drawing.h"
+#include "impedraw/report/relief.h"
 
 namespace impedraw {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "impedraw/report/relief_drawing.h"
+#include "impedraw/report/relief.h"
 
 namespace impedraw {
 

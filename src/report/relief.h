@@ -1,11 +1,15 @@
-// A mesh seen from above, as background of a picture: heights, shading, contours and outline.
+// A mesh seen from above, as background of a picture: heights, shading, contours and outline, and
+// how Cairo draws it. Private to src/report.
 #pragma once
 
 #include <functional>
 #include <vector>
 
+#include <cairo.h>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
+#include "impedraw/report/sheet.h"
 
 namespace impedraw {
 
@@ -36,5 +40,17 @@ Relief make_relief(const std::vector<Eigen::Vector3d>& vertices,
                    const std::vector<Eigen::Vector3i>& triangles,
                    const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& view,
                    int cells = 400);
+
+// Draws a relief with Cairo: shading, contours, outline. Private to src/report.
+
+inline constexpr Colour kContour{0.55, 0.50, 0.42}, kOutline{0.36, 0.33, 0.29};
+
+void draw_relief(cairo_t* cr, const Relief& relief);
+
+// Appends p unless it is nearer than `step` to the last point of the line.
+void extend(std::vector<Eigen::Vector2d>& line, const Eigen::Vector2d& p, double step, bool always);
+
+// Extends the box by `share` of its longer side, at least 1 mm.
+Eigen::AlignedBox2d with_margin(Eigen::AlignedBox2d box, double share);
 
 }  // namespace impedraw

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
-#include "impedraw/experiment/preflight_of_plan.h"
+#include "impedraw/experiment/plan.h"
 #include "impedraw/run/canvas_follower.h"
 #include "impedraw/run/remaining.h"
 #include "impedraw/run/stroke_schedule.h"

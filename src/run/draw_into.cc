@@ -13,7 +13,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/common/input_file.h"
-#include "impedraw/experiment/picture_of_plan.h"
+#include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/log/visit_rows.h"

@@ -57,7 +57,6 @@ class PlanClock {
  public:
   PlanClock(const ClockSettings& settings, double dt) : settings_(settings), dt_(dt) {}
 
-  void restart() noexcept { *this = PlanClock(settings_, dt_); }
   // One cycle.
   void advance(const PenDeviation& pen) noexcept;
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "impedraw/experiment/preflight_of_plan.h"
+#include "impedraw/experiment/plan.h"
 
 namespace impedraw {
 

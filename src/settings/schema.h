@@ -18,8 +18,7 @@
 //
 //   void describe(Fields& f, PushSettings& s) {
 //     f.field(PushSettings::Limits::force, s.force, "desired normal force");
-//     f.choice("sensor", s.sensor, {{"none", Sensor::none}, {"true", Sensor::truth}},
-//              "source of the wrench");
+//     f.choice("sensor", s.sensor, {"none", "true"}, "source of the wrench");
 //     f.field("stop_at", s.stop_at, Range::at_least(0), "s",
 //             "end of the run; absent: when the drawing is done");
 //   }
@@ -35,16 +34,17 @@
 //     Eigen::Matrix<double, N, 1>, Eigen::VectorXd (of its default's length), or std::optional or
 //     std::vector of a number. Limits apply to every component; NaN and inf are never valid;
 //   bool, std::string, std::filesystem::path;
-//   choice(): an enum, written by name, or std::optional of one;
+//   choice(): an enum, written by name, or std::optional of one; its values' names in the enum's
+//     order, which counts from 0;
 //   a struct with its own describe(), or std::optional or std::vector of one.
 // A renamed setting or word of a choice keeps its old name as an alias:
-//   f.field("normal_force", s.force, ...);  f.formerly("push");
-//   f.choice("sensor", s.sensor, ...);      f.formerly("true", "ground_truth");
-// What a user of the program sets, rather than an expert on the arm: f.field(...);  f.for_users();
+//   f.field("normal_force", s.force, ...).formerly("push");
+//   f.choice("sensor", s.sensor, ...).formerly("true", "ground_truth");
+// What a user of the program sets, rather than an expert on the arm: f.field(...).for_users();
 // A former setting that is a constant keeps its name, so that files with that value load and others
 // are refused by name:
 //   f.constant(PreflightSettings::Limits::fold_height, s.fold_height);
-// A list that may be given as one value: f.field("speeds", s.speeds, ...);  f.or_one();
+// A list that may be given as one value: f.field("speeds", s.speeds, ...).or_one();
 // A path in a file is relative to the file's folder; in --set, to the working directory. An empty
 // path stays empty.
 #pragma once
@@ -52,7 +52,6 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <functional>
-#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -69,6 +68,7 @@ namespace impedraw {
 
 struct Setting;
 class Fields;
+using Words = std::vector<std::string>;
 
 // The kinds of setting. Each alternative refers into the described object, which must outlive it.
 
@@ -80,7 +80,7 @@ struct Scalar {
   std::string type;  // for the documentation: "number", "none | true"
   // Text and paths are quoted if YAML requires it; paths are made absolute.
   enum class Kind { word, text, path } kind = Kind::word;
-  std::vector<std::string> words{};  // the valid words of a choice
+  Words words{};  // the valid words of a choice
   // Former and current names of a choice's words.
   std::vector<std::pair<std::string, std::string>> former_words{};
 };
@@ -136,30 +136,26 @@ concept Described = requires(Fields& f, T& t) {
 template <class T>
 concept Number = std::is_same_v<T, double> ||(std::is_integral_v<T> && !std::is_same_v<T, bool>);
 
-// An enum's values by name. A non-deduced context for E, so that a plain brace list works.
-template <class E>
-using Names = std::type_identity_t<std::initializer_list<std::pair<std::string_view, E>>>;
-
 // Collects the settings that describe() declares.
 class Fields {
  public:
   template <Number T>
-  void field(std::string name, T& value, Range range, std::string unit, std::string help) {
-    add(std::move(name), std::move(help), unit, range, number(value, range, unit));
+  Fields& field(std::string name, T& value, Range range, std::string unit, std::string help) {
+    return add(std::move(name), std::move(help), unit, range, number(value, range, unit));
   }
   template <int N>
-  void field(std::string name, Eigen::Matrix<double, N, 1>& value, Range range, std::string unit,
-             std::string help) {
-    add(std::move(name), std::move(help), unit, range,
-        Numbers{value.data(), static_cast<int>(value.size()), range, unit});
+  Fields& field(std::string name, Eigen::Matrix<double, N, 1>& value, Range range, std::string unit,
+                std::string help) {
+    return add(std::move(name), std::move(help), unit, range,
+               Numbers{value.data(), static_cast<int>(value.size()), range, unit});
   }
   template <Number T>
-  void field(std::string name, std::optional<T>& value, Range range, std::string unit,
-             std::string help) {
+  Fields& field(std::string name, std::optional<T>& value, Range range, std::string unit,
+                std::string help) {
     auto inner = [&value, range, unit] {
       return Setting{"", "", unit, range, number(*value, range, unit)};
     };
-    add(std::move(name), std::move(help), unit, range, optional(value, inner));
+    return add(std::move(name), std::move(help), unit, range, optional(value, inner));
   }
   template <int N>
   void field(std::string name, std::optional<Eigen::Matrix<double, N, 1>>& value, Range range,
@@ -170,75 +166,83 @@ class Fields {
     add(std::move(name), std::move(help), unit, range, optional(value, inner));
   }
   template <Number T>
-  void field(std::string name, std::vector<T>& value, Range range, std::string unit,
-             std::string help) {
+  Fields& field(std::string name, std::vector<T>& value, Range range, std::string unit,
+                std::string help) {
     auto element = [range, unit](T& t) {
       return Setting{"", "", unit, range, number(t, range, unit)};
     };
-    add(std::move(name), std::move(help), unit, range, list(value, element));
+    return add(std::move(name), std::move(help), unit, range, list(value, element));
   }
 
   // The same with name, range and unit of the limit.
   template <class T>
-  void field(const Limit& limit, T& value, std::string help) {
-    field(std::string(limit.name), value, limit.range, std::string(limit.unit), std::move(help));
+  Fields& field(const Limit& limit, T& value, std::string help) {
+    return field(std::string(limit.name), value, limit.range, std::string(limit.unit),
+                 std::move(help));
   }
 
-  void field(std::string name, bool& value, std::string help);
-  void field(std::string name, std::string& value, std::string help);
-  void field(std::string name, std::filesystem::path& value, std::string help);
+  Fields& field(std::string name, bool& value, std::string help);
+  Fields& field(std::string name, std::string& value, std::string help);
+  Fields& field(std::string name, std::filesystem::path& value, std::string help);
 
   template <class E>
-  requires std::is_enum_v<E>
-  void choice(std::string name, E& value, Names<E> names, std::string help) {
-    add(std::move(name), std::move(help), "", Range::any(),
-        word(value, {names.begin(), names.end()}));
+  requires std::is_enum_v<E> Fields& choice(std::string name, E& value, const Words& words,
+                                            std::string help) {
+    return add(std::move(name), std::move(help), "", Range::any(), word(value, words));
   }
   template <class E>
-  requires std::is_enum_v<E>
-  void choice(std::string name, std::optional<E>& value, Names<E> names, std::string help) {
-    auto inner = [&value, table = Words<E>(names.begin(), names.end())] {
-      return Setting{"", "", "", Range::any(), word(*value, table)};
-    };
-    add(std::move(name), std::move(help), "", Range::any(), optional(value, inner));
+  requires std::is_enum_v<E> Fields& choice(std::string name, std::optional<E>& value,
+                                            const Words& words, std::string help) {
+    auto inner = [&value, words] { return Setting{"", "", "", Range::any(), word(*value, words)}; };
+    return add(std::move(name), std::move(help), "", Range::any(), optional(value, inner));
   }
 
   template <Described T>
-  void field(std::string name, T& value, std::string help) {
-    add(std::move(name), std::move(help), "", Range::any(), group(value));
+  Fields& field(std::string name, T& value, std::string help) {
+    return add(std::move(name), std::move(help), "", Range::any(), group(value));
   }
   template <Described T>
-  void field(std::string name, std::optional<T>& value, std::string help) {
+  Fields& field(std::string name, std::optional<T>& value, std::string help) {
     auto inner = [&value] { return Setting{"", "", "", Range::any(), group(*value)}; };
-    add(std::move(name), std::move(help), "", Range::any(), optional(value, inner));
+    return add(std::move(name), std::move(help), "", Range::any(), optional(value, inner));
   }
   template <Described T>
-  void field(std::string name, std::vector<T>& value, std::string help) {
+  Fields& field(std::string name, std::vector<T>& value, std::string help) {
     auto element = [](T& t) { return Setting{"", "", "", Range::any(), group(t)}; };
-    add(std::move(name), std::move(help), "", Range::any(), list(value, element));
+    return add(std::move(name), std::move(help), "", Range::any(), list(value, element));
   }
 
   // Adds a former name of the last setting, or of a word of that choice.
-  void formerly(std::string name) { settings_.back().former_names.push_back(std::move(name)); }
-  void formerly(std::string word, std::string now) {
+  Fields& formerly(std::string name) {
+    settings_.back().former_names.push_back(std::move(name));
+    return *this;
+  }
+  Fields& formerly(std::string word, std::string now) {
     std::get<Scalar>(settings_.back().value)
         .former_words.emplace_back(std::move(word), std::move(now));
+    return *this;
   }
 
   // The last setting belongs to the users' tier.
-  void for_users() { settings_.back().for_users = true; }
+  Fields& for_users() {
+    settings_.back().for_users = true;
+    return *this;
+  }
   void constant(const Limit& limit, double value) {
     constants_.push_back({std::string(limit.name), number_text(value), std::string(limit.unit)});
   }
 
   // The last setting is a list, and may be given as one value: 0.1 for [0.1].
-  void or_one() { std::get<List>(settings_.back().value).or_one = true; }
+  Fields& or_one() {
+    std::get<List>(settings_.back().value).or_one = true;
+    return *this;
+  }
 
   Group take() && { return {std::move(settings_), std::move(constants_)}; }
 
  private:
-  void add(std::string name, std::string help, std::string unit, Range range,
-           decltype(Setting::value) value);
+  Fields& add(std::string name, std::string help, std::string unit, Range range,
+              decltype(Setting::value) value);
 
   template <Number T>
   static Scalar number(T& value, Range range, const std::string& unit) {
@@ -249,9 +253,12 @@ class Fields {
             std::is_same_v<T, double> ? "number" : "whole number"};
   }
   template <class E>
-  using Words = std::vector<std::pair<std::string, E>>;
-  template <class E>
-  static Scalar word(E& value, const Words<E>& table);
+  static Scalar word(E& value, const Words& words) {
+    auto set = [&value](std::size_t i) { value = static_cast<E>(i); };
+    return word(words, set, [&value] { return static_cast<std::size_t>(value); });
+  }
+  static Scalar word(const Words& words, std::function<void(std::size_t)> set,
+                     std::function<std::size_t()> get);
   template <Described T>
   static Group group(T& value) {
     Fields fields;
@@ -286,27 +293,6 @@ Group described(T& value) {
   Fields fields;
   describe(fields, value);
   return std::move(fields).take();
-}
-
-template <class E>
-Scalar Fields::word(E& value, const Words<E>& table) {
-  std::string type;
-  std::vector<std::string> words;
-  for (const auto& [word, e] : table) {
-    type += (type.empty() ? "" : " | ") + word;
-    words.push_back(word);
-  }
-  auto take = [&value, table, words](std::string_view text) -> std::optional<std::string> {
-    for (const auto& [word, e] : table)
-      if (word == text) return value = e, std::nullopt;
-    return not_among(text, words);
-  };
-  auto text = [&value, table] {
-    for (const auto& [word, e] : table)
-      if (e == value) return word;
-    return std::string("?");
-  };
-  return {take, text, type, Scalar::Kind::word, words};
 }
 
 }  // namespace impedraw

@@ -1,5 +1,5 @@
-// Lists all settings for docs/settings.md and the settings command, from the description that also
-// reads them.
+// Lists all settings for docs/settings.md, the settings command and a JSON Schema, from the
+// description that also reads them.
 #pragma once
 
 #include <string>
@@ -39,5 +39,18 @@ std::vector<RenamedSetting> renamed_settings(const Group& settings);
 
 std::string rows_markdown(const std::vector<SettingRow>& rows);
 std::string rows_text(const std::vector<SettingRow>& rows);  // for a terminal, one setting per line
+
+// Writes a settings description as a JSON Schema (draft 2020-12), with which editors complete and
+// check a scenario. Former names and words are included and marked as deprecated. Only the program
+// checks numbers given twice, whether files exist, and settings that do not go together.
+
+// `settings` must be bound to defaults and is left unchanged. The text ends with a line feed.
+std::string json_schema(const Group& settings, const std::string& title);
+
+template <Described T>
+std::string settings_json_schema(const std::string& title) {
+  T defaults;
+  return json_schema(described(defaults), title);
+}
 
 }  // namespace impedraw

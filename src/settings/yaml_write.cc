@@ -1,7 +1,5 @@
 #include "impedraw/settings/yaml_write.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 namespace impedraw {

@@ -12,8 +12,6 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/canvas/built_in.h"
-#include "impedraw/canvas/built_in_graphs.h"
-#include "impedraw/canvas/built_in_ruled.h"
 #include "impedraw/canvas/mesh_topology.h"
 #include "mesh_checks.h"
 

@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 
 #include "impedraw/canvas/canvas.h"
-#include "impedraw/canvas/merge_vertices.h"
 #include "impedraw/canvas/mesh_facing.h"
+#include "impedraw/canvas/mesh_repair.h"
 #include "impedraw/common/errors.h"
 #include "mesh_checks.h"
 #include "mesh_files.h"

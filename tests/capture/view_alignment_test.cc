@@ -10,8 +10,6 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/canvas/built_in.h"
-#include "impedraw/canvas/built_in_graphs.h"
-#include "impedraw/canvas/built_in_ruled.h"
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/capture/capture_cloud.h"
 #include "impedraw/common/errors.h"

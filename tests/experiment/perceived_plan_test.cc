@@ -12,11 +12,10 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/canvas/built_in.h"
-#include "impedraw/canvas/built_in_graphs.h"
 #include "impedraw/common/in_parallel.h"
 #include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/height_sources.h"
-#include "impedraw/experiment/picture_of_plan.h"
+#include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/planning/preflight/crawl.h"
 #include "scratch_folder.h"

@@ -9,8 +9,7 @@
 #include <Eigen/SVD>
 
 #include "impedraw/arm/arm_model.h"
-#include "impedraw/judge/crisp_law.h"
-#include "impedraw/judge/feedforward_law.h"
+#include "impedraw/judge/peer_laws.h"
 
 namespace impedraw {
 namespace {

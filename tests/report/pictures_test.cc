@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/canvas/built_in.h"
+#include "impedraw/report/decimate.h"
 #include "impedraw/report/picture.h"
-#include "impedraw/report/plot_series.h"
 #include "impedraw/report/relief.h"
 #include "log/made_up_folder.h"
 

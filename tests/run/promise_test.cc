@@ -1,5 +1,5 @@
 // What the pre-flight promises, and what the log keeps of it.
-#include "impedraw/experiment/promise_of.h"
+#include "impedraw/experiment/truth.h"
 
 #include <algorithm>
 #include <cmath>

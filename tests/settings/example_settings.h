@@ -42,11 +42,9 @@ struct Scenario {
 };
 
 inline void describe(Fields& f, Push& s) {
-  f.field("force", s.force, Range{0, 50}, "N", "normal force asked for");
-  f.formerly("strength");
-  f.choice("sensor", s.sensor, {{"none", Sensor::none}, {"true", Sensor::truth}},
-           "where the wrench comes from");
-  f.formerly("real", "true");
+  f.field("force", s.force, Range{0, 50}, "N", "normal force asked for").formerly("strength");
+  f.choice("sensor", s.sensor, {"none", "true"}, "where the wrench comes from")
+      .formerly("real", "true");
   f.field("stop_at", s.stop_at, Range::at_least(0), "s",
           "when to stop; absent: at the end of the drawing");
 }
@@ -54,8 +52,7 @@ inline void describe(Fields& f, Push& s) {
 inline void describe(Fields& f, Camera& s) {
   f.field("position", s.position, Range{-10, 10}, "m", "p_WC");
   f.field("width", s.width, Range{1, 4096}, "px", "columns");
-  f.field("noisy", s.noisy, "whether depth is noisy");
-  f.formerly("grainy");
+  f.field("noisy", s.noisy, "whether depth is noisy").formerly("grainy");
 }
 
 inline void describe(Fields& f, Plane& s) {

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "impedraw/settings/json_schema.h"
+#include "impedraw/settings/settings_doc.h"
 #include "settings/example_settings.h"
 
 namespace impedraw {

@@ -22,6 +22,15 @@ constexpr double kTipFree = 1e-3;
 // of the margins that check_strokes asks for, kept where the same place is looked at again
 constexpr double kEased = 0.6;
 
+// Along the strokes themselves check_strokes has looked already, but with postures that may have
+// been found anew at their beginnings. Here they follow from the ways, as they do in the run.
+PreflightSettings eased(PreflightSettings settings) {
+  settings.joint_margin *= kEased;
+  settings.clearance *= kEased;
+  settings.space.max_effective_mass /= kEased;
+  return settings;
+}
+
 }  // namespace
 
 std::vector<Finding> check_transitions(const TipPath& path,
@@ -34,13 +43,7 @@ std::vector<Finding> check_transitions(const TipPath& path,
   if (strokes.empty() || path.duration() == 0) return findings;
   PostureCheck check(arm, obstacle, start_q, settings);
   check.asked.torque = false;
-  // Along the strokes themselves check_strokes has looked already, but with postures that may have
-  // been found anew at their beginnings. Here they follow from the ways, as they do in the run.
-  PreflightSettings eased = settings;
-  eased.joint_margin *= kEased;
-  eased.clearance *= kEased;
-  eased.space.max_effective_mass /= kEased;
-  PostureCheck along_strokes(arm, obstacle, start_q, eased);
+  PostureCheck along_strokes(arm, obstacle, start_q, eased(settings));
   along_strokes.asked.torque = false;
 
   std::vector<double> amounts;  // severities of the findings

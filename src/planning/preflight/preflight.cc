@@ -195,37 +195,12 @@ void absorb_scraps(std::vector<Stretch>& stretches) {
 }  // namespace
 
 const char* name_of(Problem problem) noexcept {
-  switch (problem) {
-    case Problem::off_canvas:
-      return "off_canvas";
-    case Problem::fold:
-      return "fold";
-    case Problem::crease:
-      return "crease";
-    case Problem::too_rough:
-      return "too_rough";
-    case Problem::too_steep:
-      return "too_steep";
-    case Problem::out_of_reach:
-      return "out_of_reach";
-    case Problem::joint_limit:
-      return "joint_limit";
-    case Problem::near_singular:
-      return "near_singular";
-    case Problem::torque:
-      return "torque";
-    case Problem::arm_collision:
-      return "arm_collision";
-    case Problem::pen_collision:
-      return "pen_collision";
-    case Problem::joint_jump:
-      return "joint_jump";
-    case Problem::crawls:
-      return "crawls";
-    case Problem::too_short:
-      return "too_short";
-  }
-  return "unknown";
+  static constexpr const char* kNames[] = {
+      "off_canvas",    "fold",        "crease",        "too_rough", "too_steep",
+      "out_of_reach",  "joint_limit", "near_singular", "torque",    "arm_collision",
+      "pen_collision", "joint_jump",  "crawls",        "too_short"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Problem::too_short) + 1);
+  return kNames[static_cast<std::size_t>(problem)];
 }
 
 void validate(const PreflightSettings& s) {

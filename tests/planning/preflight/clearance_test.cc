@@ -8,7 +8,6 @@
 
 #include "arm_on_surface.h"
 #include "impedraw/canvas/built_in.h"
-#include "impedraw/canvas/built_in_graphs.h"
 
 namespace impedraw {
 namespace {

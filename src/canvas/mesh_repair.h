@@ -1,4 +1,4 @@
-// Finds the triangles of a mesh that have the wrong winding.
+// Repairs of an external mesh: triangles of the wrong winding, vertices that stand twice.
 #pragma once
 
 #include <vector>
@@ -15,5 +15,12 @@ struct Winding {
 
 // `edges` are the mesh's half-edges. Triangles are neighbours across edges that exactly two share.
 Winding find_winding(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges);
+
+// Merges vertices that nearly coincide.
+
+// Replaces each vertex that a triangle uses by the first one, in the triangles' order, within
+// `tolerance` [m] of it. Drops unused vertices. Keeps the number and order of the triangles.
+// Precondition: finite coordinates, indices in range, tolerance ≥ 0.
+TriangleMesh merge_vertices(const TriangleMesh& mesh, double tolerance);
 
 }  // namespace impedraw

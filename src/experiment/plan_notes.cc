@@ -1,0 +1,87 @@
+#include "impedraw/experiment/plan_notes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "impedraw/common/errors.h"
+
+namespace impedraw {
+
+double wrap_doubt(const Plan& plan, const Belief& belief) {
+  const Pose& X_WP = plan.path_settings.X_WP;
+  const auto& seen = belief.perception;
+  if (!seen || std::ranges::none_of(plan.wrap->chart().patch().samples, [&](const auto& s) {
+        return seen->finer_share(X_WP * s.p_P) > 0.0;
+      }))
+    return 0.0;
+  const auto finest_height = [&](double x, double y, SurfaceHeight::Sample& last) {
+    SurfaceHeight::Sample sample = belief.surface(x, y, last);
+    if (!sample) return sample;
+    const SurfaceEstimate there = seen->estimate(X_WP * sample->p_P);
+    const double lean = X_WP.R.col(2).dot(there.n_W);
+    if (there.status == SurfaceStatus::ok && lean > 0.1) sample->p_P.z() -= there.distance / lean;
+    return sample;
+  };
+  std::optional<Wrap> finest;
+  try {
+    finest = plan.wrap->laid_on(finest_height);
+  } catch (const InputError&) {
+    return std::numeric_limits<double>::infinity();
+  }
+  double squares = 0.0, length = 0.0;
+  for (const PlacedStroke& stroke : plan.requested)
+    for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
+      const auto here = plan.wrap->to_flat(stroke.p_P[i]), other = finest->to_flat(stroke.p_P[i]);
+      if (!here || !other) continue;
+      const double piece = (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
+      squares += piece * (*here - *other).squaredNorm();
+      length += piece;
+    }
+  return length > 0.0 ? std::sqrt(squares / length) : 0.0;
+}
+
+void note_wrap(double doubt, std::vector<std::string>* notes) {
+  constexpr double kDoubt = 3e-4;  // [m]
+  if (doubt > kDoubt)
+    notes->push_back(fmt::format(
+        "wrap: on slopes as steep as here, what the cameras do not resolve shifts the page: {}",
+        std::isinf(doubt)
+            ? "with the finest heights seen it cannot be laid flat at all"
+            : fmt::format("the drawing may lie {:.1f} mm RMS beside its place", 1e3 * doubt)));
+}
+
+void note_spread_forces(const PathSettings& path, Plan* plan) {
+  constexpr double kLess = 0.2;  // [N]
+  double length = 0.0;
+  for (const PlacedStroke& stroke : plan->strokes)
+    length += ForceProfile(stroke, path.force_rate / path.draw_speed).spread_length(kLess);
+  if (length > 0.0)
+    plan->notes.push_back(
+        fmt::format("the force changes by at most {:.3g} N/s (path.force_rate): {:.1f} mm are "
+                    "drawn lighter than asked, where widths jump",
+                    path.force_rate, 1e3 * length));
+}
+
+void name_step(const Belief& belief, double roughest, Finding* f) {
+  if (!belief.perception || f->problem != Problem::off_canvas) return;
+  if (belief.planning->in_crease(f->p_W)) {
+    f->problem = Problem::crease;
+    f->text = "two sides of the surface meet at over 60° here, and the tip would touch both";
+    return;
+  }
+  const Roughness there = belief.perception->roughness(f->p_W);
+  const double height = 2e3 * there.misfit, width = 2e3 * there.radius;  // [mm]
+  if (there.misfit > Roughness::kStepMisfit) {
+    f->problem = Problem::fold;
+    f->text = fmt::format("the surface steps by over {:.1f} mm within {:.0f} mm", height, width);
+  } else if (there.rougher_than(roughest)) {
+    f->problem = Problem::too_rough;
+    f->text =
+        fmt::format("rougher than the cameras resolve, by {:.1f} mm over {:.0f} mm", height, width);
+  }
+}
+
+}  // namespace impedraw
