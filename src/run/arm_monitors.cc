@@ -16,6 +16,7 @@ ArmMonitors::ArmMonitors(const Experiment& e, const Driver& driver, const RunHoo
       tare_(e.plan.path_settings.start_hold, e.control.estimator.tare_time),
       reading_(driver.info(), e.belief.arm.limits().speed, e.belief.arm.limits().torque,
                e.scenario.arm.wrench_delay, feels(e)),
+      signs_(e.control.impedance, e.belief.arm.limits().torque),
       fences_(e.scenario.fence, feels(e)),
       speed_(e.belief.arm.limits().speed, e.belief.arm.joint_names()),
       rattle_(e.control.impedance.stability_check.contact_stiffness_max,
@@ -27,6 +28,8 @@ Verdict ArmMonitors::judge(const Cycle& cycle, const Reaction& reaction, bool bl
   if (worst) return worst;
   worst = reading_.judge(cycle);
   if (worst || state == Reaction::State::damp) return worst;
+  worst = signs_.judge(cycle);
+  if (worst) return worst;
   if (state != Reaction::State::halt) worst = emergency(cycle);
   if (!worst) worst = fences_.judge(cycle);
   if (!worst && !reaction.brakes()) worst = speed_.judge(cycle);

@@ -6,6 +6,7 @@
 #include "impedraw/run/monitors/fence_monitor.h"
 #include "impedraw/run/monitors/rattle_monitor.h"
 #include "impedraw/run/monitors/reading_monitor.h"
+#include "impedraw/run/monitors/sign_monitor.h"
 #include "impedraw/run/monitors/speed_monitor.h"
 #include "impedraw/run/monitors/state_monitor.h"
 #include "impedraw/run/monitors/step_time_monitor.h"
@@ -34,6 +35,7 @@ class ArmMonitors {
   StateMonitor state_;
   TareMonitor tare_;
   ReadingMonitor reading_;
+  SignMonitor signs_;
   FenceMonitor fences_;
   SpeedMonitor speed_;
   RattleMonitor rattle_;

@@ -27,10 +27,10 @@
 // Values that are not finite are not judged here: whoever reads it says so.
 #pragma once
 
-#include <array>
 #include <string>
 
 #include "impedraw/control/arm_terms.h"
+#include "impedraw/run/motion_rules.h"
 
 namespace impedraw {
 
@@ -53,28 +53,12 @@ class MotionCheck {
   JointVector confirmed(const JointVector& v) const noexcept;
 
  private:
-  // What has not changed by a bit, and for how long.
-  void update_still(const JointVector* v, const JointVector& torque, const JointVector& external,
-                    double dt, const JointMatrix* M) noexcept;
-  std::string contradiction(double dt) const;
-
-  JointVector speed_limit_, torque_limit_;
-  JointVector q_, v_;                  // of the last reading
-  JointVector moved_, apart_;          // since the one before; x [rad]
-  JointVector by_positions_;           // speed [rad/s]
-  JointVector fastest_;                // v̂ [rad/s]
-  std::array<JointVector, 5> speeds_;  // by positions, of the last readings, in a ring [rad/s]
-  std::size_t oldest_ = 0;
-  JointVector torque_, external_;  // of the last reading [Nm]
-  JointVector grain_;              // least change of q_j that was read: it may be rounded [rad]
-  JointVector still_, steady_;     // how long q_j, and v_j, have not changed [s]
-  JointVector still_readings_, steady_readings_;
-  JointVector beside_;    // y [rad]
-  JointVector held_;      // u of each joint; below 0: it has not moved yet [s]
-  JointVector stopped_;   // v̄_j of a stop that nothing explains; 0: none [rad/s]
-  JointVector place_;     // that no joint has left [rad]
-  double unmoved_ = 0.0;  // u [s]
-  double share_ = 0.0;    // s
+  MotionLimits limits_;
+  JointVector q_, v_;         // of the last reading
+  JointVector by_positions_;  // speed [rad/s]
+  SpeedsBesidePositions speeds_;
+  ReadingsThatStand stand_;
+  TorquesThatMoveNothing torques_;
   bool begun_ = false;
   std::string cause_;
 };

@@ -27,9 +27,12 @@ using ::testing::HasSubstr;
 class Liar : public Driver {
  public:
   using Lie = std::function<void(ArmState*)>;
-  Liar(Prepared& e, Lie lie = {}, bool moves = true)
+  // The torque that acts, of the one commanded, the weight's, and the time.
+  using Drive = std::function<JointVector(JointVector, const JointVector&, double)>;
+  Liar(Prepared& e, Lie lie = {}, bool moves = true, Drive drive = {})
       : inner_(e, e.belief.start_q, Disturbances(e.scenario, e.plan.path)),
         lie_(std::move(lie)),
+        drive_(std::move(drive)),
         moves_(moves),
         state_(e.belief.arm.joints()) {}
 
@@ -47,7 +50,7 @@ class Liar : public Driver {
   }
   void command(const JointVector& tau, const JointVector& gravity) noexcept override {
     sent.push_back((tau - gravity).cwiseAbs().maxCoeff());
-    if (moves_) inner_.command(tau, gravity);
+    if (moves_) inner_.command(drive_ ? drive_(tau, gravity, state_.time) : tau, gravity);
   }
   const std::string& fault() const noexcept override { return inner_.fault(); }
   void stop() noexcept override { inner_.stop(); }
@@ -58,6 +61,7 @@ class Liar : public Driver {
  private:
   SimulatedArm inner_;
   Lie lie_;
+  Drive drive_;
   bool moves_, begun_ = false;
   ArmState state_;
 };
@@ -278,6 +282,43 @@ TEST(Lies, AJointThatItsTorqueDoesNotMoveIsNamedWhileOthersMove) {
   EXPECT_THAT(check.cause(), HasSubstr("joint 2 does not move by a bit"));
 }
 
+// Unnoticed, a wrench with the wrong sign makes the arm press with 250 N, and a torque with 290 N.
+TEST(Lies, AWrongSignIsNamedBeforeThePenHitsTheCanvas) {
+  const unsigned seed = 36;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
+  const char* names[] = {"bowl-sine", "bowl-sine-realistic", "bowl-sine-real", "bowl-m-elastic"};
+  for (unsigned i = 0; i < seeds(10, 120); ++i) {
+    const double share = std::uniform_real_distribution<double>(0.1, 0.9)(random);
+    const int only = std::uniform_int_distribution<int>(-1, 6)(random);  // −1: all joints
+    const bool wrench = i % 2 == 0, always = i % 4 == 0;
+    const char* const name = names[i / 2 % 4];
+    SCOPED_TRACE(testing::Message()
+                 << name << (wrench ? " wrench " : " torque ") << share << ", joint " << only + 1);
+    Prepared e = prepared(name);
+    const double from = always ? 0.0 : time_at(e.plan.path, share);
+    Liar arm(
+        e,
+        [&](ArmState* s) {
+          if (wrench && s->time >= from) s->wrench = -s->wrench;
+        },
+        true,
+        [&](JointVector tau, const JointVector& gravity, double time) {
+          for (Eigen::Index j = 0; j < tau.size() && !wrench && time >= from; ++j)
+            if (only < 0 || j == only) tau[j] = 2.0 * gravity[j] - tau[j];
+          return tau;
+        });
+    double hardest = 0.0;
+    RunHooks hooks;
+    hooks.row = [&](const LogRow& row) { hardest = std::max(hardest, row.contact_force.norm()); };
+    const RunOutcome outcome = run(e, arm, {}, 0.0, hooks);
+    EXPECT_EQ(outcome.end, RunEnd::stopped);
+    EXPECT_THAT(outcome.cause,
+                AnyOf(HasSubstr("wrench"), HasSubstr("against its torque"), HasSubstr("jumped")));
+    EXPECT_LT(hardest, wrench ? 40.0 : 45.0);
+  }
+}
+
 TEST(Lies, AWrenchThatStandsStillIsNamedAsThePenIsLifted) {
   Prepared e = prepared("bowl-sine");
   const double from = time_at(e.plan.path, 0.5);
@@ -339,6 +380,10 @@ TEST(Lies, AClockAndStampsOutsideItAreNamed) {
             }),
             "the arm's clock stands still");
   EXPECT_THAT(told([&](int, ArmState* s) { s->time = nan; }), HasSubstr("clock went back"));
+  EXPECT_EQ(told([](int i, ArmState* s) {
+              s->time = s->state_time = s->wrench_time = 1e-3 * i + (i < 50 ? 0.0 : 0.3);
+            }),
+            "the arm's clock jumped ahead from 0.049 s to 0.350 s");
 }
 
 }  // namespace

@@ -2,7 +2,8 @@
 // looks at that, the motion (motion_check.h). The loop asks after every read(), whatever the arm. A
 // contradiction ends the run.
 //
-//   clock   does not go back, and does not stand still for 20 readings
+//   clock   does not go back, and does not stand still for 20 readings; in lock-step it does not go
+//           on by more than 20 periods at once
 //   stamps  of state and wrench: at most 20 ms, and the wrench's known delay, ahead of the clock;
 //           not older than start() by more than 1 s
 //
@@ -98,12 +99,15 @@ class ReadingMonitor {
   }
 
   std::string contradiction(const ArmState& state) {
-    constexpr int kMostStill = 20;
+    constexpr int kMostStill = 20;   // readings, periods
     constexpr double kOldest = 1.0;  // [s]
     still_ = state.time == time_ ? still_ + 1 : 0;
     if (still_ > kMostStill) return "the arm's clock stands still";
     if (!(state.time >= time_))
       return fmt::format("the arm's clock went back from {:.3f} s to {:.3f} s", time_, state.time);
+    if (driver_.waits && time_ > 0.0 && state.time > time_ + kMostStill * driver_.period)
+      return fmt::format("the arm's clock jumped ahead from {:.3f} s to {:.3f} s", time_,
+                         state.time);
     const auto outside = [&](const char* what, double stamp, double delay) -> std::string {
       const double ahead = stamp - state.time;
       if (ahead <= kAhead + delay && stamp >= -kOldest) return {};

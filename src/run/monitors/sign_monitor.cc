@@ -1,0 +1,101 @@
+#include "impedraw/run/monitors/sign_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <Eigen/Cholesky>
+
+namespace impedraw {
+
+namespace {
+
+constexpr double kQuick = 200.0, kSlow = 12.0, kMean = 50.0;  // [rad/s]
+constexpr double kOpposed = 1.5, kMost = 3.5, kMadeUp = 0.8, kAlike = 0.94;
+constexpr double kLeastForce = 4.0, kLeastTorque = 2.0, kShare = 0.01;  // [N], [Nm], of the limit
+constexpr double kMadeUpForce = 5.6;                                    // [N]
+constexpr int kLasts = 4;  // cycles: longer than an outlier
+
+double wrench_age(const TimingSettings& t) {
+  return std::max(0.0, t.wrench_delay - t.dt - t.velocity_age);
+}
+
+}  // namespace
+
+SignMonitor::SignMonitor(const ImpedanceSettings& s, const JointVector& torque_limit)
+    : felt_(s.wrench == WrenchFeedback::measured),
+      dt_(s.timing.dt),
+      late_(static_cast<std::size_t>(std::lround(
+          (wrench_age(s.timing) + s.timing.torque_delay() + s.timing.velocity_age) / dt_))),
+      observer_({true, kQuick, 1000.0, {}}, static_cast<int>(torque_limit.size()), dt_,
+                wrench_age(s.timing), s.timing.torque_delay() + s.timing.velocity_age),
+      v_(JointVector::Zero(torque_limit.size())),
+      least_(Channels::Constant(torque_limit.size() + 3, kLeastForce)) {
+  least_.head(torque_limit.size()) = (kShare * torque_limit.array()).max(kLeastTorque);
+  weightless_.fill(v_);
+  quick_ = x_slow_ = y_slow_ = size_quick_ = size_slow_ = xx_ = xy_ = yy_ = sizes_ =
+      Channels::Zero(least_.size());
+}
+
+std::string SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
+                                const JointVector& tau) noexcept {
+  // Of a state that was read before, or of rest, nothing is learned.
+  if (arm.v == v_ || !arm.v.allFinite() || !F_ext.allFinite() || !tau.allFinite()) {
+    observer_.pause();
+    return {};
+  }
+  v_ = arm.v;
+  const Eigen::Index n = tau.size();
+  const Vector6 F = felt_ ? F_ext : Vector6::Zero();
+  const JointVector r = observer_.update(arm, F), pushed = arm.J.transpose().lazyProduct(F);
+  observer_.commanded(tau);
+  weightless_[step_ % kHistory] = tau - arm.g;
+  const JointVector& weightless = weightless_[(step_ + kHistory - 1 - late_) % kHistory];
+  ++step_;
+  Channels x = Channels::Zero(n + 3), y = x, size = x;
+  x.head(n) = size.head(n) = weightless;
+  y.head(n) = r;
+  if (felt_) {
+    const auto M = arm.M.ldlt();
+    const auto along = [&](const JointVector& torque) -> Eigen::Vector3d {
+      return arm.X_WE.R.transpose() * arm.J.topRows<3>().lazyProduct(M.solve(torque));
+    };
+    x.tail<3>() = along(pushed);
+    y.tail<3>() = along(r);
+    size.tail<3>() = arm.X_WE.R.transpose() * F.head<3>();
+  }
+  const auto follow = [&](double rate, const Channels& to, Channels* of) {
+    *of += (1.0 - std::exp(-rate * dt_)) * (to - *of);
+  };
+  follow(kQuick, x, &quick_);
+  follow(kQuick, size, &size_quick_);
+  follow(kSlow, quick_, &x_slow_);
+  follow(kSlow, y, &y_slow_);
+  follow(kSlow, size_quick_, &size_slow_);
+  x = quick_ - x_slow_;
+  y -= y_slow_;
+  follow(kMean, x * x, &xx_);
+  follow(kMean, x * y, &xy_);
+  follow(kMean, y * y, &yy_);
+  follow(kMean, (size_quick_ - size_slow_).square(), &sizes_);
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    // What fades is the end of a push, and of the friction beside it.
+    if (x[i] * x[i] < xx_[i] || xy_[i] * xy_[i] < kAlike * xx_[i] * yy_[i]) continue;
+    const double rms = std::sqrt(sizes_[i]), slope = xy_[i] / xx_[i];
+    const bool opposed = rms > least_[i] && slope < -kOpposed && slope > -kMost,
+               made_up = i >= n && rms > kMadeUpForce && slope < -kMadeUp && slope > -kMost;
+    if (!opposed && !made_up) continue;
+    if (++lasts_ < kLasts) return {};
+    if (i < n)
+      return fmt::format("joint {} turns against its torque of {:.1f} Nm: a sign is wrong", i + 1,
+                         weightless[i]);
+    return fmt::format("the arm moves {} along the pen's {}",
+                       opposed ? "against the measured wrench, whose sign is wrong,"
+                               : "as if the measured wrench did not act",
+                       "xyz"[i - n]);
+  }
+  lasts_ = 0;
+  return {};
+}
+
+}  // namespace impedraw

@@ -1,0 +1,64 @@
+// A check that the arm moves as torques and the measured wrench push it, and not the other way.
+//
+//   r     of each joint, M v̇ + C v + g − τ − Jᵀ F_ext: torque that nothing explains
+//         (momentum_observer.h)
+//   x→y   of each joint: τ − g → r.  Of each axis of the pen: J M⁻¹ Jᵀ F_ext → J M⁻¹ r.
+//
+// A sign that is wrong makes y = −2 x; a wrench that is made up makes y = −x. Of changes between 2
+// and 30 Hz, with ⟨⟩ their mean over some 20 ms, of an x that grows and ⟨x y⟩² > 0.94 ⟨x²⟩⟨y²⟩:
+//
+//   opposed   −3.5 < ⟨x y⟩/⟨x²⟩ < −1.5, with √⟨x²⟩ above 4 N of the wrench, or of τ above 2 Nm
+//             and 1 % of the joint's limit. Dry friction of 3 Nm that begins to hold the arm as the
+//             pen lands looks alike, but smaller.
+//   made up   the same below −0.8, with 5.6 N of the wrench
+//
+// What pushes on the arm unseen is no multiple of x: it would have to grow with what answers it.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "impedraw/control/impedance_settings.h"
+#include "impedraw/control/momentum_observer.h"
+#include "impedraw/run/cycle.h"
+#include "impedraw/run/monitors/verdict.h"
+
+namespace impedraw {
+
+class SignMonitor {
+ public:
+  // torque_limit: rated, of each joint [Nm].
+  SignMonitor(const ImpedanceSettings& settings, const JointVector& torque_limit);
+
+  // A cycle's state, its measured wrench and the torque that it commanded [Nm]. Does not throw, and
+  // allocates for the text alone. Returns what is contradicted; empty: nothing.
+  std::string update(const ArmTerms& arm, const Vector6& F_ext, const JointVector& tau) noexcept;
+
+  // The same, after a cycle.
+  Verdict judge(const Cycle& cycle) {
+    const std::string found = update(cycle.arm, cycle.F_ext, cycle.out.tau);
+    if (found.empty()) return {};
+    return {Severity::damp, fmt::format("{} at t = {:.3f} s", found, cycle.next_run_time())};
+  }
+
+ private:
+  // Joints, then the pen's axes.
+  using Channels = Eigen::Array<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints + 3, 1>;
+  static constexpr std::size_t kHistory = 32;  // steps
+
+  bool felt_;
+  double dt_;
+  std::size_t late_, step_ = 0;
+  MomentumObserver observer_;
+  std::array<JointVector, kHistory> weightless_;  // τ − g of past steps [Nm]
+  JointVector v_;
+  int lasts_ = 0;   // cycles
+  Channels least_;  // √⟨x²⟩ of what is judged [Nm], [N]
+  Channels quick_, x_slow_, y_slow_;
+  Channels size_quick_, size_slow_;  // of τ − g and F_ext
+  Channels xx_, xy_, yy_, sizes_;    // ⟨⟩ of squares
+};
+
+}  // namespace impedraw
