@@ -12,6 +12,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kBlended = 12;  // points whose levels are averaged
+constexpr int kShared = 8;    // points that share the reach of one
 // A finer level must better the error of the normal to this share, where it is above kGood [rad].
 constexpr double kClearlyBetter = 0.7;
 constexpr double kGood = 3e-3;
@@ -85,6 +86,11 @@ void DetailLevels::choose_levels(const std::vector<LocalSurface>& fits,
     const double most = widest_.settings().max_radius;
     in_halves(static_cast<int>(points.size()), [&](int begin, int end) {
       for (int i = begin; i < end; ++i) {
+        // It is a guess, and neighbours in the tree's order share it.
+        if (i % kShared != 0 && i > begin) {
+          level.reach2[i] = level.reach2[i - 1];
+          continue;
+        }
         const Patch near = widest_.nearest(points[i], kBlended);
         level.reach2[i] =
             std::any_of(near.index, near.index + near.n, [this](int j) { return used_near(j); })

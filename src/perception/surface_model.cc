@@ -12,10 +12,11 @@ namespace {
 constexpr double kSameSide = 0.7;  // cosine
 constexpr double kBeside = 0.5;    // as near along the surface belongs to a point [cubes]
 
+// Cubes on top of each other stand side by side in the table: they are looked up together.
 std::size_t hash(const Eigen::Matrix<std::int32_t, 3, 1>& c) {
-  return static_cast<std::size_t>((static_cast<std::uint64_t>(c.x()) * 73856093u) ^
-                                  (static_cast<std::uint64_t>(c.y()) * 19349663u) ^
-                                  (static_cast<std::uint64_t>(c.z()) * 83492791u));
+  return static_cast<std::size_t>(((static_cast<std::uint64_t>(c.x()) * 73856093u) ^
+                                   (static_cast<std::uint64_t>(c.y()) * 19349663u)) +
+                                  static_cast<std::uint64_t>(c.z()));
 }
 
 }  // namespace
