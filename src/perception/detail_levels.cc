@@ -1,6 +1,7 @@
 #include "impedraw/perception/detail_levels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -12,6 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kBlended = 12;  // points whose levels are averaged
+constexpr int kShared = 8;    // points that share the reach of one
 // A finer level must better the error of the normal to this share, where it is above kGood [rad].
 constexpr double kClearlyBetter = 0.7;
 constexpr double kGood = 3e-3;
@@ -23,6 +25,12 @@ constexpr int kFewest = 16;
 // noise, as wide as at the other points, does not explain (kAboveNoise), and which a wider patch
 // does not exceed by far (kSameAtAnyScale). The plan keeps kStepMargin off it [m].
 constexpr double kStep = 1.6e-4, kAboveNoise = 5.0, kSameAtAnyScale = 0.6, kStepMargin = 4e-3;
+
+double mean_weight(const CloudPatches& patches, const Patch& patch) {
+  double mean = 0.0;
+  for (int i = 0; i < patch.k; ++i) mean += patches.cloud().weight[patch.index[i]] / patch.k;
+  return mean;
+}
 
 }  // namespace
 
@@ -60,7 +68,7 @@ DetailLevels::Trial DetailLevels::try_fit(const CloudPatches& patches, int k, co
   const Patch patch = patches.nearest(p, k);
   Trial trial = trial_of(patches.fit(p, patch), k, patch.squared[k - 1], patches.settings());
   if (!trial.ok) return {};
-  for (int i = 0; i < k; ++i) trial.weight += patches.cloud().weight[patch.index[i]] / k;
+  trial.weight = mean_weight(patches, patch);
   return trial;
 }
 
@@ -85,6 +93,11 @@ void DetailLevels::choose_levels(const std::vector<LocalSurface>& fits,
     const double most = widest_.settings().max_radius;
     in_halves(static_cast<int>(points.size()), [&](int begin, int end) {
       for (int i = begin; i < end; ++i) {
+        // It is a guess, and neighbours in the tree's order share it.
+        if (i % kShared != 0 && i > begin) {
+          level.reach2[i] = level.reach2[i - 1];
+          continue;
+        }
         const Patch near = widest_.nearest(points[i], kBlended);
         level.reach2[i] =
             std::any_of(near.index, near.index + near.n, [this](int j) { return used_near(j); })
@@ -102,18 +115,20 @@ void DetailLevels::spread(const std::vector<float>& best) {
   level_nearby_.assign(n, 0.0f);
   if (*std::max_element(best.begin(), best.end()) == 0.0f) return;
   std::vector<float> median(n, 0.0f);
+  std::vector<std::array<int, kBlended>> about(n);
+  std::vector<int> found(n);
   for (int i = 0; i < n; ++i) {
     const Patch near = widest_.nearest(widest_.cloud().points[i], kBlended);
+    found[i] = near.n;
+    std::copy_n(near.index, near.n, about[i].begin());
     float values[kBlended];
     for (int j = 0; j < near.n; ++j) values[j] = best[near.index[j]];
     std::nth_element(values, values + near.n / 2, values + near.n);
     median[i] = near.n > 0 ? values[near.n / 2] : 0.0f;
   }
-  for (int i = 0; i < n; ++i) {
-    const Patch near = widest_.nearest(widest_.cloud().points[i], kBlended);
-    for (int j = 0; j < near.n; ++j)
-      level_[i] += median[near.index[j]] / static_cast<float>(near.n);
-  }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < found[i]; ++j)
+      level_[i] += median[about[i][j]] / static_cast<float>(found[i]);
   for (int i = 0; i < n; ++i) {
     const Patch near = widest_.nearest(widest_.cloud().points[i], 2 * kBlended);
     for (int j = 0; j < near.n; ++j)
@@ -147,7 +162,8 @@ float DetailLevels::choose_level(int i, const Trial& widest, Residuals* residual
   rough_[i] = {widest.residual, widest.radius, 0.0, 2.0 * widest.residual / widest.radius};
   if (widest.residual < kGood / 2.0 * widest.radius) return 0.0f;
   const Vector3d& p = widest_.cloud().points[i];
-  std::vector<Trial> trials{try_fit(widest_, widest.k, p)};
+  std::vector<Trial> trials{widest};
+  trials[0].weight = mean_weight(widest_, widest_.nearest(p, widest.k));
   for (const Level& level : finer_) trials.push_back(try_fit(*level.patches, level.k, p));
   while (!trials.back().ok) trials.pop_back();
   const Trial& finest = trials.back();

@@ -15,6 +15,7 @@ using Eigen::Matrix2d;
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using Pair = Eigen::Array2d;
 
 // Ratios of the variances along the eigenvectors for points that define a plane: not a line (middle
 // to largest), not a ball (smallest to middle).
@@ -31,32 +32,29 @@ using Quadric = Eigen::Matrix<double, 6, 1>;
 bool fit_quadric(const Neighbourhood& p, const Matrix3d& axes, double scale, Quadric& q,
                  double& residual2) {
   const Matrix3d A = axes.transpose() / scale;
-  double s10 = 0, s01 = 0, s20 = 0, s11 = 0, s02 = 0, s30 = 0, s21 = 0, s12 = 0, s03 = 0, s40 = 0,
-         s31 = 0, s22 = 0, s13 = 0, s04 = 0;
-  double s00 = 0, t00 = 0, t10 = 0, t01 = 0, t20 = 0, t11 = 0, t02 = 0, zz = 0;
+  const Pair ax = A.col(0).head<2>(), ay = A.col(1).head<2>(), az = A.col(2).head<2>();
+  // The sums that x and y exchange, side by side: s1 is s10 and s01, s21 is s21 and s12.
+  Pair s1 = Pair::Zero(), s2 = s1, s3 = s1, s21 = s1, s4 = s1, s31 = s1, t1 = s1, t2 = s1;
+  double s00 = 0, s11 = 0, s22 = 0, t00 = 0, t11 = 0, zz = 0;
   for (int i = 0; i < p.n; ++i) {
-    const double x = A(0, 0) * p.x[i] + A(0, 1) * p.y[i] + A(0, 2) * p.z[i];
-    const double y = A(1, 0) * p.x[i] + A(1, 1) * p.y[i] + A(1, 2) * p.z[i];
+    const Pair u = ax * p.x[i] + ay * p.y[i] + az * p.z[i];  // x and y
     const double z = A(2, 0) * p.x[i] + A(2, 1) * p.y[i] + A(2, 2) * p.z[i];
-    const double w = p.w[i];
-    const double wx = w * x, wy = w * y, xx = x * x, xy = x * y, yy = y * y;
-    s00 += w, s10 += wx, s01 += wy;
-    t00 += w * z, t10 += wx * z, t01 += wy * z, zz += w * z * z;
-    const double wxx = w * xx, wxy = w * xy, wyy = w * yy;
-    s20 += wxx, s11 += wxy, s02 += wyy;
-    t20 += wxx * z, t11 += wxy * z, t02 += wyy * z;
-    s30 += wxx * x, s21 += wxx * y, s12 += wyy * x, s03 += wyy * y;
-    s40 += wxx * xx, s31 += wxx * xy, s22 += wxx * yy, s13 += wyy * xy, s04 += wyy * yy;
+    const double w = p.w[i], xy = u[0] * u[1], wxy = w * xy;
+    const Pair wu = w * u, uu = u * u, wuu = w * uu;
+    s00 += w, t00 += w * z, zz += w * z * z, s11 += wxy, t11 += wxy * z;
+    s1 += wu, t1 += wu * z, s2 += wuu, t2 += wuu * z;
+    s3 += wuu * u, s21 += wuu * Pair(u[1], u[0]);
+    s4 += wuu * uu, s31 += wuu * xy, s22 += wuu[0] * uu[1];
   }
   Eigen::Matrix<double, 6, 6> N;
-  N << s00, s10, s01, s20, s11, s02,  //
-      s10, s20, s11, s30, s21, s12,   //
-      s01, s11, s02, s21, s12, s03,   //
-      s20, s30, s21, s40, s31, s22,   //
-      s11, s21, s12, s31, s22, s13,   //
-      s02, s12, s03, s22, s13, s04;
+  N << s00, s1[0], s1[1], s2[0], s11, s2[1],     //
+      s1[0], s2[0], s11, s3[0], s21[0], s21[1],  //
+      s1[1], s11, s2[1], s21[0], s21[1], s3[1],  //
+      s2[0], s3[0], s21[0], s4[0], s31[0], s22,  //
+      s11, s21[0], s21[1], s31[0], s22, s31[1],  //
+      s2[1], s21[1], s3[1], s22, s31[1], s4[1];
   N /= s00;
-  q << t00, t10, t01, t20, t11, t02;
+  q << t00, t1[0], t1[1], t2[0], t11, t2[1];
   q /= s00;
   const Eigen::LLT<Eigen::Matrix<double, 6, 6>> llt(N);
   if (llt.info() != Eigen::Success || llt.matrixLLT().diagonal().minCoeff() < 1e-3) return false;
@@ -82,17 +80,18 @@ Vector2d foot(const Quadric& q) {
 
 LocalSurface fit_surface(const Neighbourhood& p, SurfaceFit fit, const Vector3d& towards) noexcept {
   LocalSurface surface;
-  double s = 0, sx = 0, sy = 0, sz = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  Pair s1 = Pair::Zero(), s2 = s1, sz = s1;  // of x and y: alone, squared, times z
+  double s = 0, z = 0, xy = 0, zz = 0;
   for (int i = 0; i < p.n; ++i) {
-    const double wx = p.w[i] * p.x[i], wy = p.w[i] * p.y[i], wz = p.w[i] * p.z[i];
-    s += p.w[i], sx += wx, sy += wy, sz += wz;
-    xx += wx * p.x[i], xy += wx * p.y[i], xz += wx * p.z[i], yy += wy * p.y[i], yz += wy * p.z[i],
-        zz += wz * p.z[i];
+    const Pair u(p.x[i], p.y[i]), wu = p.w[i] * u;
+    const double wz = p.w[i] * p.z[i];
+    s += p.w[i], z += wz, xy += wu[0] * u[1], zz += wz * p.z[i];
+    s1 += wu, s2 += wu * u, sz += wu * p.z[i];
   }
   if (!(s > 0.0)) return surface;
-  const Vector3d mean = Vector3d(sx, sy, sz) / s;
+  const Vector3d mean = Vector3d(s1[0], s1[1], z) / s;
   Matrix3d second;
-  second << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  second << s2[0], xy, sz[0], xy, s2[1], sz[1], sz[0], sz[1], zz;
   second /= s;
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen = [&] {
     Eigen::SelfAdjointEigenSolver<Matrix3d> solver;

@@ -162,7 +162,7 @@ void PlanSurface::find_holes() {
   };
   std::vector<Vector3d> more;
   in_halves(patches_.size(), [&](int begin, int end) {
-    CubeSet looked(16 * static_cast<std::size_t>(end - begin));
+    CubeSet looked(64 * static_cast<std::size_t>(end - begin));
     for (int i = begin; i < end; ++i) look_about(i, &looked, begin == 0 ? &holes_ : &more);
   });
   holes_.insert(holes_.end(), more.begin(), more.end());

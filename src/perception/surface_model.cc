@@ -12,10 +12,11 @@ namespace {
 constexpr double kSameSide = 0.7;  // cosine
 constexpr double kBeside = 0.5;    // as near along the surface belongs to a point [cubes]
 
+// Cubes on top of each other stand side by side in the table: they are looked up together.
 std::size_t hash(const Eigen::Matrix<std::int32_t, 3, 1>& c) {
-  return static_cast<std::size_t>((static_cast<std::uint64_t>(c.x()) * 73856093u) ^
-                                  (static_cast<std::uint64_t>(c.y()) * 19349663u) ^
-                                  (static_cast<std::uint64_t>(c.z()) * 83492791u));
+  return static_cast<std::size_t>(((static_cast<std::uint64_t>(c.x()) * 73856093u) ^
+                                   (static_cast<std::uint64_t>(c.y()) * 19349663u)) +
+                                  static_cast<std::uint64_t>(c.z()));
 }
 
 }  // namespace
@@ -46,13 +47,16 @@ std::size_t SurfaceModel::slot_of(const Cube& cube) const noexcept {
 template <typename F>
 void SurfaceModel::each_about(const Eigen::Vector3d& p_K, const Eigen::Vector3d& n_K,
                               F&& f) const noexcept {
-  const Cube middle = cube_of(p_K);
-  for (int x = -1; x <= 1; ++x)
-    for (int y = -1; y <= 1; ++y)
-      for (int z = -1; z <= 1; ++z) {
-        const std::uint32_t found = slots_[slot_of(middle + Cube(x, y, z))];
+  const Cube lowest = cube_of(p_K) - Cube::Ones();
+  for (int x = 0; x < 3; ++x)
+    for (int y = 0; y < 3; ++y) {
+      const std::size_t column = hash(lowest + Cube(x, y, 0));
+      for (int z = 0; z < 3; ++z) {
+        if (slots_[(column + z) & (slots_.size() - 1)] == 0) continue;
+        const std::uint32_t found = slots_[slot_of(lowest + Cube(x, y, z))];
         if (found != 0 && points_[found - 1].n.dot(n_K) >= kSameSide) f(found - 1);
       }
+    }
 }
 
 void SurfaceModel::add(std::span<const SeenPoint> samples, const Pose& X_WK) noexcept {
