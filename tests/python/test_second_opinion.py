@@ -1,6 +1,7 @@
 """Points, normals and pose from depth images against small_gicp, which knows nothing of images, cameras or their noise."""
 
 import importlib
+import sys
 from typing import Any
 
 import numpy as np
@@ -66,6 +67,8 @@ def samples_of(depth: Any, camera: Any) -> Any:
 
 @pytest.fixture
 def gicp() -> Any:
+    if sys.version_info >= (3, 13):
+        pytest.skip("small_gicp's wheel is named as for every CPython from 3.12 on, and loads on 3.12 alone")
     return importlib.import_module("small_gicp")
 
 
