@@ -46,6 +46,7 @@ TablePlane fitted(const std::vector<Vector3d>& points, const TablePlane& about) 
 
 std::optional<TablePlane> table_in(const std::vector<Vector3d>& points, const Vector3d& z_W) {
   constexpr double kFacing = 0.7;  // cosine
+  const Vector3d up = Vector3d::UnitZ();
   std::mt19937 random(1);
   const auto any = [&] { return points[random() % points.size()]; };
   const auto count = [&](auto&& is) {
@@ -57,8 +58,8 @@ std::optional<TablePlane> table_in(const std::vector<Vector3d>& points, const Ve
     const Vector3d a = any(), b = any(), c = any();
     TablePlane plane;
     plane.n = (b - a).cross(c - a).normalized();
-    if (plane.n.dot(z_W) < 0.0) plane.n = -plane.n;
-    if (!(plane.n.dot(z_W) > kFacing)) continue;
+    if (plane.n.dot(z_W + up) < 0.0) plane.n = -plane.n;
+    if (!(std::max(plane.n.dot(z_W), plane.n.dot(up)) > kFacing)) continue;
     plane.d = plane.n.dot(a);
     const double on =
         count([&](const Vector3d& p) { return std::abs(plane.height(p)) < kOnTable; });
@@ -140,6 +141,23 @@ bool bears_drawing(const std::vector<Vector3d>& standing, const DrawnAbout& draw
   return most > kShare * std::numbers::pi * drawing.radius * drawing.radius;
 }
 
+// Keeps the parts that are above or beneath the largest one, seen along the drawing axis: a head
+// over a body whose neck no camera sees.
+void keep_what_hides(const std::vector<Vector3d>& standing, const std::map<CubeKey, int>& part,
+                     const Pose& X_WP, std::ptrdiff_t largest, std::vector<char>* kept) {
+  const Pose X_PW = X_WP.inverse();
+  const auto square = [&](const Vector3d& p) {
+    const CubeKey at = cube_at(X_PW * p, kGap);
+    return std::array<long, 2>{at[0], at[1]};
+  };
+  std::set<std::array<long, 2>> under;
+  for (const Vector3d& p : standing)
+    if (part.at(cube_at(p, kGap)) == largest) under.insert(square(p));
+  for (const Vector3d& p : standing)
+    if (under.count(square(p)) > 0)
+      (*kept)[static_cast<std::size_t>(part.at(cube_at(p, kGap)))] = 1;
+}
+
 void append_point(const PointCloud& from, std::size_t i, PointCloud* to) {
   to->points.push_back(from.points[i]);
   to->camera.push_back(from.camera[i]);
@@ -182,8 +200,11 @@ FoundCanvas find_canvas(const PointCloud& cloud, const DrawnAbout& drawing,
   for (std::size_t k = 0; k < kept.size(); ++k)
     kept[k] = static_cast<double>(drawn_on[k]) >=
               std::max(1.0, kLeastOfDrawing * static_cast<double>(upper.size()));
-  if (std::count(kept.begin(), kept.end(), 1) == 0 && !kept.empty())
-    kept[static_cast<std::size_t>(std::max_element(size.begin(), size.end()) - size.begin())] = 1;
+  if (std::count(kept.begin(), kept.end(), 1) == 0 && !kept.empty()) {
+    const auto largest = std::max_element(size.begin(), size.end()) - size.begin();
+    kept[static_cast<std::size_t>(largest)] = 1;
+    if (!drawing.placed) keep_what_hides(standing, part, drawing.X_WP, largest, &kept);
+  }
 
   struct Removed {
     int table = 0, beside = 0;

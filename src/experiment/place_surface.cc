@@ -4,12 +4,15 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/text_fields.h"
+#include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/scene.h"
 #include "impedraw/planning/preflight/posture_check.h"
@@ -26,8 +29,12 @@ constexpr double kNear = 2.0;  // cost of the object's whole extent away from wh
 constexpr double kCalmIfNear = 0.3;  // weight of a calm surface then
 constexpr double kShrink = 0.85, kSmallest = 0.25;
 constexpr int kChecked = 20, kWhole = 3,
-              kInVain = 8;  // places: checked; that suffice; since the best one
+              kInVain = 12;  // places: checked; that suffice; since the best one
 constexpr double kAll = 0.999, kMost = 0.98, kPromising = 0.95;
+constexpr std::size_t kTilts = 4;  // that are tried where the given plane does not do
+constexpr double kTilted = 0.01;   // what a tilted plane must be better by
+constexpr double kHopeless = 5.0;  // cost of a tilt that is not tried
+constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
 
 // Distance of a point of W from the wish, in extents of the object `points`; from a point that is
 // named, in half its diagonal.
@@ -102,6 +109,28 @@ std::vector<Vector3d> known_points(const Belief& belief, const Pose& X_WP) {
   return points;
 }
 
+PlaceSearchSettings search_settings(const Scenario& s, const Belief& belief, const Pose& X_WP,
+                                    const SurfaceWish& wish) {
+  PlaceSearchSettings settings;
+  std::vector<Vector3d> points_W;
+  for (const Vector3d& p : known_points(belief, X_WP)) {
+    settings.box.extend(p.head<2>());
+    points_W.push_back(X_WP * p);
+  }
+  settings.max_slope_deg = s.preflight.max_slope_deg;
+  settings.unreachable = unreachable(
+      belief, X_WP, preflight_settings(s, X_WP, belief.perception != nullptr, belief.start_q));
+  if (const auto distance = distance_of(wish.near, points_W)) {
+    settings.calm = kCalmIfNear;
+    settings.near = [distance, X_WP](const Vector3d& p_P) { return kNear * distance(X_WP * p_P); };
+  }
+  if (belief.perception)
+    settings.rough = [&belief, X_WP, most = s.preflight.roughest](const Vector3d& p_P) {
+      return belief.perception->roughness(X_WP * p_P).misfit / most;
+    };
+  return settings;
+}
+
 std::vector<std::string> assignments_of(const PlacementSettings& s, const PlacementSettings& given,
                                         const Scenario& scenario, bool moved) {
   std::vector<std::string> sets = {
@@ -119,7 +148,9 @@ std::vector<std::string> assignments_of(const PlacementSettings& s, const Placem
     if (given.fit_page) sets.emplace_back("drawing.placement.fit_page=false");
     sets.push_back(fmt::format("drawing.placement.scale={:.4f}", *s.scale));
   }
-  const Vector3d& move = scenario.canvas.move;
+  const Vector3d &tilt = scenario.drawing.tilt_deg, &move = scenario.canvas.move;
+  if (!tilt.isZero())
+    sets.push_back(fmt::format("drawing.tilt=[{}, {}, {}]", tilt.x(), tilt.y(), tilt.z()));
   if (moved) sets.push_back(fmt::format("canvas.move=[{}, {}, {}]", move.x(), move.y(), move.z()));
   return sets;
 }
@@ -170,6 +201,7 @@ struct PlaceBench::Parts {
 
   SettingErrors errors;
   Scenario s;  // with the placement completed, and a canvas that may have been moved
+  bool moved = false;
   Pose X_WP;
   std::optional<Scene> scene;
   std::optional<PlaceSearch> search;
@@ -211,30 +243,13 @@ PlaceBench::PlaceBench(const Scenario& scenario, const Places& places, const Sur
   const PlacedArtwork artwork = load_artwork(s.drawing, parts_->errors);
   const Pose X_WP = parts_->X_WP = artwork.X_WP;
   const Belief& belief = parts_->scene.emplace(build_scene(s, X_WP, parts_->errors, false)).belief;
+  parts_->moved = s.canvas.move != scenario.canvas.move;
   if (belief.height_unknown())
     throw InputError(
         "--place surface: nothing is known of the surface; valid is perception.enabled: true, or "
         "blind.height: canvas");
 
-  const std::vector<Vector3d> points = known_points(belief, X_WP);
-  PlaceSearchSettings settings;
-  std::vector<Vector3d> points_W;
-  for (const Vector3d& p : points) {
-    settings.box.extend(p.head<2>());
-    points_W.push_back(X_WP * p);
-  }
-  settings.max_slope_deg = s.preflight.max_slope_deg;
-  settings.unreachable = unreachable(
-      belief, X_WP, preflight_settings(s, X_WP, belief.perception != nullptr, belief.start_q));
-  if (const auto distance = distance_of(wish.near, points_W)) {
-    settings.calm = kCalmIfNear;
-    settings.near = [distance, X_WP](const Vector3d& p_P) { return kNear * distance(X_WP * p_P); };
-  }
-  if (belief.perception)
-    settings.rough = [&belief, X_WP, most = s.preflight.roughest](const Vector3d& p_P) {
-      return belief.perception->roughness(X_WP * p_P).misfit / most;
-    };
-  parts_->search.emplace(belief.surface, settings);
+  parts_->search.emplace(belief.surface, search_settings(s, belief, X_WP, wish));
 
   parts_->placing = {s.drawing.placement, artwork.shape.drawn, artwork.placement, {}};
   Eigen::AlignedBox2d box;
@@ -303,14 +318,42 @@ double PlaceBench::share_of_plan(const PlaceFound& place) const {
   return parts_->share_of(parts_->placing.at(place), nullptr);
 }
 
-SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
-                              const SurfaceWish& wish,
-                              const std::function<void(double)>& progress) {
-  if (progress) progress(0.0);  // a capture's views take seconds to be put onto each other
-  PlaceBench bench(scenario, places, wish);
-  PlaceBench::Parts& parts = *bench.parts_;
-  if (progress) progress(0.2);
+// The tilts of the drawing plane, towards eight sides, in which the quick search finds the best
+// places; the best one first.
+std::vector<Vector3d> PlaceBench::tilts(const SurfaceWish& wish) const {
+  constexpr int kSides = 8;
+  const Parts& p = *parts_;
+  const Belief& belief = p.scene->belief;
+  std::vector<std::pair<double, Vector3d>> found;
+  for (int k = 0; belief.planning && k < kSides; ++k) {
+    for (const double lean : {35.0 * kDegree, 65.0 * kDegree}) {
+      const double side = 2.0 * std::numbers::pi * k / kSides;
+      const Vector3d z(std::sin(lean) * std::cos(side), std::sin(lean) * std::sin(side),
+                       std::cos(lean));
+      Scenario tilted = p.s;
+      // No yaw: the search turns the drawing. Without negative zeros, which would be printed.
+      tilted.drawing.tilt_deg = {std::round(-std::asin(z.y()) / kDegree) + 0.0,
+                                 std::round(std::atan2(z.x(), z.z()) / kDegree) + 0.0, 0.0};
+      const Pose X_WP = drawing_frame(tilted.drawing);
+      PlaceSearchSettings settings = search_settings(tilted, belief, X_WP, wish);
+      settings.reach_step *= 2;  // the first look
+      const PlaceSearch search(perceived_height(belief.planning, X_WP), settings);
+      found.emplace_back(search.best(p.drawing, 1.0, {}).cost, tilted.drawing.tilt_deg);
+    }
+  }
+  std::sort(found.begin(), found.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  // What failed in this plane is avoided there.
+  const double here = p.search->best(p.drawing, 1.0, {}).cost;
+  std::vector<Vector3d> tilts;
+  for (const auto& [cost, tilt] : found)
+    if (tilts.size() < kTilts && cost < std::min(here, kHopeless)) tilts.push_back(tilt);
+  return tilts;
+}
 
+SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
+                                    const std::function<void(double)>& progress) {
+  Parts& parts = *parts_;
   Checked best;
   std::vector<PlaceFound> tried;
   for (double size = 1.0; size >= kSmallest; size *= kShrink) {
@@ -320,7 +363,7 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
       if (!std::isfinite(place.cost)) break;
       // A smaller one will do better.
       if (wish.shrink && place.share < kPromising && size * kShrink >= kSmallest) break;
-      if (progress) progress(0.2 + 0.8 * i / kChecked);
+      progress(static_cast<double>(i) / kChecked);
       tried.push_back(place);
       Checked checked{place, parts.placing.at(place)};
       // Points that fail in the pre-flight are avoided from here on.
@@ -336,10 +379,8 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
     }
     if (!wish.shrink || best.share >= kMost) break;
   }
-  if (!(best.share > 0.0))
-    throw InputError("--place surface: the drawing cannot be drawn at any place that was tried");
-
   SurfacePlace result;
+  if (!(best.share > 0.0)) return result;
   result.scenario = parts.s;
   result.scenario.drawing.placement = best.placement;
   const Vector2d& middle = best.place.middle;
@@ -349,9 +390,39 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
   result.share = best.share;
   const Placement final_placement = place(parts.placing.drawn, best.placement);
   result.size_mm = final_placement.scale() * bounds_of(parts.placing.drawn.strokes).sizes();
-  result.assignments = assignments_of(best.placement, parts.placing.given, parts.s,
-                                      parts.s.canvas.move != scenario.canvas.move);
+  result.assignments = assignments_of(best.placement, parts.placing.given, parts.s, parts.moved);
   return result;
+}
+
+SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
+                              const SurfaceWish& wish,
+                              const std::function<void(double)>& progress) {
+  const auto between = [&progress](double from, double to) {
+    return [&progress, from, to](double share) {
+      if (progress) progress(from + share * (to - from));
+    };
+  };
+  between(0.0, 0.1)(0.0);  // a capture's views take seconds to be put onto each other
+  PlaceBench level(scenario, places, wish);
+  SurfacePlace best = level.best_place(wish, between(0.1, 0.4));
+  if (best.share < kMost && scenario.drawing.tilt_deg.isZero()) {
+    double from = 0.5;
+    for (const Vector3d& tilt : level.tilts(wish)) {
+      Scenario tilted = scenario;
+      tilted.drawing.tilt_deg = tilt;
+      try {
+        SurfacePlace found =
+            PlaceBench(tilted, places, wish).best_place(wish, between(from, from + 0.1));
+        if (found.share > best.share + kTilted) best = std::move(found);
+      } catch (const InputError&) {  // no posture to start from, for example
+      }
+      if (best.share >= kMost) break;
+      from += 0.5 / kTilts;
+    }
+  }
+  if (!(best.share > 0.0))
+    throw InputError("--place surface: the drawing cannot be drawn at any place that was tried");
+  return best;
 }
 
 }  // namespace impedraw

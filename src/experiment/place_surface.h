@@ -2,7 +2,9 @@
 // drawing to where most of it can be drawn well.
 //
 // Candidates come from the perceived surface (planning/preflight/place_search.h). The best ones
-// pass the whole pre-flight; where it fails, further candidates keep off.
+// pass the whole pre-flight; where it fails, further candidates keep off. Where the level drawing
+// plane has no place for the whole, planes that lean by 35° or 65° to one of eight sides are tried:
+// an object's sides are drawn on, too. A plane that the scenario tilts stays.
 #pragma once
 
 #include <functional>
@@ -25,7 +27,7 @@ struct SurfaceWish {
 };
 
 struct SurfacePlace {
-  Scenario scenario;                                  // as given but for drawing.placement
+  Scenario scenario;  // as given but for drawing.placement and, where it was level, drawing.tilt
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();      // surface at the drawing's middle [m]
   double turn_deg = 0.0;                              // from the given one
   Eigen::Vector2d size_mm = Eigen::Vector2d::Zero();  // across and down the page, on the canvas
@@ -63,9 +65,13 @@ class PlaceBench {
   Scenario scenario_at(const PlaceFound& place) const;
   double share_of_plan(const PlaceFound& place) const;
 
+  // The best place in this drawing plane; with a share of 0 if there is none.
+  SurfacePlace best_place(const SurfaceWish& wish, const std::function<void(double)>& progress);
+  // Roll, pitch and yaw of drawing planes that promise more than what best_place() left of this
+  // one; the best first, none without a cloud.
+  std::vector<Eigen::Vector3d> tilts(const SurfaceWish& wish) const;
+
  private:
-  friend SurfacePlace place_on_surface(const Scenario&, const Places&, const SurfaceWish&,
-                                       const std::function<void(double)>&);
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };

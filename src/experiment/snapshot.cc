@@ -12,6 +12,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/seeded_normals.h"
 #include "impedraw/perception/depth_camera.h"
+#include "impedraw/perception/patch_size.h"
 
 namespace impedraw {
 
@@ -173,7 +174,15 @@ Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, bool placed, ArmMode
                         read.views);
     notes->insert(notes->end(), found.notes.begin(), found.notes.end());
   }
-  return {estimator_of(found.canvas, p, ""), thin(found.beside, p.voxel)};
+  PerceptionSettings used = p;
+  if (p.adapt && !found.canvas.points.empty())
+    used.normals.k = calm_patch(thin(found.canvas, p.voxel), p.normals);
+  if (used.normals.k > p.normals.k)
+    notes->push_back(
+        fmt::format("the points are noisy: a normal is fitted to the {} nearest ones, not to {} "
+                    "(perception.adapt=false keeps perception.normals.k)",
+                    used.normals.k, p.normals.k));
+  return {estimator_of(found.canvas, used, ""), thin(found.beside, p.voxel)};
 }
 
 }  // namespace impedraw

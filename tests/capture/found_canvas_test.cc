@@ -98,6 +98,27 @@ TEST(FoundCanvas, AnUnplacedDrawingLooksForTheObjectAndNotForTheTable) {
   EXPECT_GT(large.canvas.points.size(), found.canvas.points.size() + 10000);
 }
 
+// A ball above a plate, 4 cm apart: what is beneath it cannot be drawn on, so that it stays.
+TEST(FoundCanvas, AnUnplacedDrawingKnowsWhatHidesTheObject) {
+  Shown shown;
+  shown.cloud.eyes = {Vector3d(0.6, 0.5, 0.9), Vector3d(0.6, -0.5, 0.9)};
+  for (double x = 0.5; x < 0.7; x += 0.002)
+    for (double y = -0.1; y < 0.1; y += 0.002) {
+      shown.add({x, y, 0.1}, 1);
+      const double r2 = 0.03 * 0.03 - (x - 0.6) * (x - 0.6) - y * y;
+      if (r2 > 0.0) shown.add({x, y, 0.14 + std::sqrt(r2)}, 0);
+      if (x < 0.55 && y < -0.05) shown.add({x + 0.2, y - 0.1, 0.14}, 2);
+    }
+  const FoundCanvas found = find_canvas(shown.cloud, {{}, {0.6, 0.0}, 0.05, false});
+  int ball = 0, beside = 0;
+  for (std::size_t i = 0; i < found.canvas.points.size(); ++i) {
+    ball += found.canvas.rgb[3 * i] == 0;
+    beside += found.canvas.rgb[3 * i] == 2;
+  }
+  EXPECT_GT(ball, 600);
+  EXPECT_EQ(beside, 0);
+}
+
 // The drawing is not placed yet: the largest part that stands on the table.
 TEST(FoundCanvas, WithNothingUnderTheDrawingTheLargestPartStays) {
   Shown shown = scene();

@@ -169,6 +169,28 @@ TEST_F(PlaceSurface, ShrinksWhereTheWholeDoesNotFit) {
   EXPECT_FALSE(scenario.drawing.placement.width_mm);
 }
 
+// An upright board, 24 mm thick: its edge is too narrow for letters of 31 mm, its sides are not.
+TEST_F(PlaceSurface, LeansToWhereOnlyASideBearsTheDrawing) {
+  std::ofstream file(folder_ / "board.obj");
+  for (const double z : {0.02, 0.22})
+    for (const double y : {-0.012, 0.012})
+      for (const double x : {0.5, 0.7}) file << "v " << x << ' ' << y << ' ' << z << '\n';
+  file << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+  file.close();
+  const std::string board = "canvas.mesh.file=" + (folder_ / "board.obj").string();
+  const SurfacePlace found = place_on_surface(plate({board}), {}, {});
+  EXPECT_GT(found.share, 0.98);
+  EXPECT_GT(std::abs(found.scenario.drawing.tilt_deg.x()), 30.0);
+  EXPECT_NEAR(std::abs(found.p_W.y()), 0.012, 1e-3);
+  std::vector<std::string> again = {board};
+  again.insert(again.end(), found.assignments.begin(), found.assignments.end());
+  EXPECT_EQ(plate(again).drawing.tilt_deg, found.scenario.drawing.tilt_deg);
+  // A plane that was tilted stays.
+  const SurfacePlace given = place_on_surface(plate({board, "drawing.tilt=[10, 0, 0]"}), {}, {});
+  EXPECT_EQ(given.scenario.drawing.tilt_deg, Vector3d(10.0, 0.0, 0.0));
+  EXPECT_LT(given.share, found.share);
+}
+
 TEST_F(PlaceSurface, RefusesAWishThatMeansNothing) {
   for (const char* near : {"nose", "1,2", "1,2,x", "1,2,3,4", "nan,0,0", ","}) {
     try {

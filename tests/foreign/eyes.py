@@ -83,8 +83,9 @@ def write_png(file, values):
     file.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 3)) + chunk(b"IEND", b""))
 
 
-def write_capture(folder, images, poses, joints, seed=None):
+def write_capture(folder, images, poses, joints, seed=None, lens=(FX, FY, CX, CY)):
     """images: uint16 in mm, or, with a seed for its faults, float in m, 0: nothing. The faulty cameras do not stand where they say."""
+    fx, fy, cx, cy = lens
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     random, views = numpy.random.default_rng(seed), []
@@ -95,7 +96,7 @@ def write_capture(folder, images, poses, joints, seed=None):
             R, p = turn(axis, numpy.radians(FAULTS["turn_deg"])) @ R, p + FAULTS["shift"] * way / numpy.linalg.norm(way)
         write_png(folder / f"depth_{k}.png", image)
         views.append({
-            "depth": f"depth_{k}.png", "depth_scale": 0.001, "width": WIDTH, "height": HEIGHT, "fx": FX, "fy": FY, "cx": CX, "cy": CY,
+            "depth": f"depth_{k}.png", "depth_scale": 0.001, "width": WIDTH, "height": HEIGHT, "fx": fx, "fy": fy, "cx": cx, "cy": cy,
             "X_WC": {"p": list(p), "q_wxyz": list(quaternion(R))}, "joints": list(joints),
         })  # fmt: skip
     (folder / "capture.json").write_text(json.dumps({"format": "impedraw-capture", "version": 1, "views": views}, indent=1))

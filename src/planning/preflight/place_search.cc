@@ -13,11 +13,12 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kBadCell = 10.0, kUnreachable = 5.0, kTurned = 0.1;
-constexpr double kSteepPlace = 60.0 * std::numbers::pi / 180.0, kBent = 40.0;  // [rad], [1/m]
+constexpr double kDegree = std::numbers::pi / 180.0;          // [rad]
+constexpr double kSteepPlace = 60.0 * kDegree, kBent = 40.0;  // [rad], [1/m]
 constexpr double kMostCells = 4e4;
-constexpr double kReachStep = 0.024, kGridStep = 8e-3;  // [m]
-constexpr double kStepTurn = 15.0, kSame = 20.0;        // [deg]
-constexpr double kBroken = 2e-3;                        // height of a step between cells [m]
+constexpr double kGridStep = 8e-3;                // [m]
+constexpr double kStepTurn = 15.0, kSame = 20.0;  // [deg]
+constexpr double kBroken = 2e-3;                  // height of a step between cells [m]
 
 // Between two samples, as far as their slopes do not explain it [m].
 double step_between(const SurfaceSample& a, const SurfaceSample& b) {
@@ -72,7 +73,7 @@ PlaceSearch::PlaceSearch(const SurfaceHeight& surface, const PlaceSearchSettings
   }
   add_edges();
   if (!settings_.unreachable) return;
-  const int stride = std::max(1, static_cast<int>(kReachStep / cell));
+  const int stride = std::max(1, static_cast<int>(settings_.reach_step / cell));
   for (int j = 0; j < ny_; j += stride) {
     for (int i = 0; i < nx_; i += stride) {
       std::vector<std::size_t> block;
@@ -131,32 +132,53 @@ PlaceFound PlaceSearch::best(const std::vector<Vector2d>& drawing, double size,
   };
   PlaceFound best;
   const double count = static_cast<double>(drawing.size());
-  for (double turn = -180.0 + kStepTurn; turn <= 180.0; turn += kStepTurn) {
-    PlaceFound place;
-    place.turn_deg = turn;
-    place.size = size;
-    std::vector<Vector2d> placed;  // about the middle
-    for (const Vector2d& p : drawing) placed.push_back(place(p));
-    for (double x = settings_.box.min().x(); x <= settings_.box.max().x(); x += kGridStep) {
-      for (double y = settings_.box.min().y(); y <= settings_.box.max().y(); y += kGridStep) {
+  std::vector<Vector2d> placed;  // about the middle
+  const auto turn_to = [&](const PlaceFound& place) {
+    placed.clear();
+    for (const Vector2d& p : drawing)
+      placed.push_back(place.size * (Eigen::Rotation2Dd(place.turn_deg * kDegree) * p));
+  };
+  const auto consider = [&](PlaceFound place) {
+    const double turned = kTurned * std::abs(place.turn_deg) / 180.0;
+    const double most = (best.cost - turned) * count;
+    double cost = 0.0;
+    int bad = 0;
+    for (const Vector2d& p : placed) {
+      const std::size_t k = at(place.middle + p);
+      const bool out = k == cells_.size() || cells_[k].bad();
+      cost += out ? kBadCell + settings_.calm : 0.0;
+      if (k < cells_.size()) cost += cells_[k].cost;
+      bad += out;
+      if (cost >= most) break;
+    }
+    if (cost >= most || is_tried(place)) return;
+    place.cost = cost / count + turned;
+    place.share = 1.0 - bad / count;
+    best = place;
+  };
+  PlaceFound place;
+  place.size = size;
+  for (place.turn_deg = -180.0 + kStepTurn; place.turn_deg <= 180.0; place.turn_deg += kStepTurn) {
+    turn_to(place);
+    const auto &low = settings_.box.min(), &high = settings_.box.max();
+    for (double x = low.x(); x <= high.x(); x += kGridStep)
+      for (double y = low.y(); y <= high.y(); y += kGridStep) {
         place.middle = {x, y};
-        const double turned = kTurned * std::abs(turn) / 180.0;
-        const double most = (best.cost - turned) * count;
-        double cost = 0.0;
-        int bad = 0;
-        for (const Vector2d& p : placed) {
-          const std::size_t k = at(place.middle + p);
-          const bool out = k == cells_.size() || cells_[k].bad();
-          cost += out ? kBadCell + settings_.calm : 0.0;
-          if (k < cells_.size()) cost += cells_[k].cost;
-          bad += out;
-          if (cost >= most) break;
-        }
-        if (cost >= most || is_tried(place)) continue;
-        place.cost = cost / count + turned;
-        place.share = 1.0 - bad / count;
-        best = place;
+        consider(place);
       }
+  }
+  if (!std::isfinite(best.cost)) return best;
+  for (const double finer : {0.5, 0.25}) {
+    const PlaceFound about = best;
+    for (int turn = -1; turn <= 1; ++turn) {
+      place = about;
+      place.turn_deg += turn * finer * kStepTurn;
+      turn_to(place);
+      for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y) {
+          place.middle = about.middle + finer * kGridStep * Vector2d(x, y);
+          consider(place);
+        }
     }
   }
   return best;

@@ -32,7 +32,8 @@ struct PlaceSearchSettings {
   double cell = 4e-3;         // side of a cell; larger where the box has too many [m]
   double max_slope_deg = 75;  // as PreflightSettings
   double calm = 1.0;          // weight
-  std::function<double(const SurfaceSample&)> unreachable;  // asked every 24 mm; null: 0
+  std::function<double(const SurfaceSample&)> unreachable;  // null: 0
+  double reach_step = 12e-3;  // between the places for which it is asked [m]
   std::function<double(const Eigen::Vector3d& p_P)> near;   // null: 0
   std::function<double(const Eigen::Vector3d& p_P)> rough;  // null: 0
 };

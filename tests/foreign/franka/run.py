@@ -6,6 +6,7 @@ Exit code 0 if every bound of bounds.json and every check holds. Leaves build/fo
 import json
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -89,6 +90,22 @@ def draw(name, scenario="fr3-sine.yaml", arguments=()):
     if run.returncode:
         raise RuntimeError(f"impedraw ended with {run.returncode}: {said.strip()}")
     return measure(file, folder), said
+
+
+def draw_seen(name, seed=None):
+    """Arm, contact, clock and eyes are MuJoCo's; no model of the canvas is given."""
+    scenario, capture = HERE / "fr3-eyes.yaml", OUT / f"{name}-capture"
+    start = start_posture(HERE / "fr3-sine.yaml")
+    shutil.rmtree(capture, ignore_errors=True)
+    faults = [] if seed is None else ["--faults", str(seed)]
+    subprocess.run([PYTHON, HERE / "look.py", capture, "--start=" + ",".join(map(repr, start)), *faults], check=True, capture_output=True)
+    with simulation(OUT / f"{name}.npz", start):
+        command = [*draw_arguments(scenario, OUT / name, arm()), "--set", f"perception.capture={capture}"]
+        run = subprocess.run(command, capture_output=True, text=True)
+        if run.returncode:
+            raise RuntimeError(f"impedraw ended with {run.returncode}: {run.stderr.strip()}")
+    (OUT / f"{name}.notes").write_text(run.stderr)
+    return judge(OUT / f"{name}.npz", OUT / name, seen=True)
 
 
 def provoked(kind):
@@ -196,6 +213,8 @@ CASES = {
     "other-arm": other_arm,
     "sine": lambda: draw("sine")[0],
     "m": lambda: draw("m", "fr3-m.yaml")[0],
+    "eyes-sine": lambda: draw_seen("eyes-sine"),
+    "eyes-sine-faulty": lambda: draw_seen("eyes-sine-faulty", 1),
     "slider-sine": lambda: slider("sine"),
     "slider-m": lambda: slider("m"),
     "torque-step": lambda: provoked("torque-step"),

@@ -96,6 +96,7 @@ class Arm(mujoco_franka_sim.MujocoFrankaSim):
             ("force", force),
             ("point", point),
             ("depth", depth),
+            ("pen", self.data.site("tip").xmat.reshape(3, 3)[:, 2].copy()),
             ("torque", torque),
             ("began", moving),
             ("wall", time.perf_counter()),
