@@ -6,7 +6,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 from scipy.ndimage import gaussian_filter
 
-PEN = 4  # its width in the pixels that are painted
+PEN = 8  # its width in the pixels that are painted
 
 
 def coverage(strokes: list[np.ndarray], shape: tuple[int, int], pen: float) -> np.ndarray:

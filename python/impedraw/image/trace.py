@@ -12,6 +12,7 @@ from skimage.filters import threshold_otsu
 from skimage.morphology import remove_small_objects, skeletonize
 
 SPUR = 1.6  # a free branch up to so many half widths long is a corner of the outline
+SLOPE = 0.7  # a free end along which the half width grows faster leads from the line's end to its outline
 THROUGH = -0.5  # two branches are one line through a crossing where the cosine between them is below
 Point = tuple[int, int]
 
@@ -114,6 +115,14 @@ def _skeleton(ink: np.ndarray, half: np.ndarray) -> np.ndarray:
     return mask
 
 
+def _beyond(line: list[Point], half: np.ndarray) -> int:
+    """How many pixels of a free end lie beyond the line's own."""
+    k = 0
+    while line[0] != line[-1] and k < len(line) // 3 and half[line[k + 1]] - half[line[k]] > SLOPE * math.dist(line[k], line[k + 1]):
+        k += 1
+    return k
+
+
 class _Crossings:
     """Junctions whose ink is one: pixels that touch, and ends of bridges shorter than the line is wide."""
 
@@ -166,7 +175,7 @@ def centre_lines(ink: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     for index, line in enumerate(branches):
         points = np.array(line, float)
         ends = [len(near[line[k]]) > 2 for k in (0, -1)]
-        cut = [round(1.2 * half[line[k]]) if end else 0 for k, end in zip((0, -1), ends)]
+        cut = [round(1.2 * half[way[0]]) if end else _beyond(way, half) for way, end in zip((line, line[::-1]), ends)]
         if sum(cut) > len(line) - 3:
             cut = [min(c, max(0, len(line) // 3 - 1)) for c in cut]
         kept = points[cut[0] : len(points) - cut[1]]
