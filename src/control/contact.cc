@@ -98,7 +98,7 @@ void SurfaceContact::update_approach(const SurfaceEstimate& surface) noexcept {
 
 // The filter is slow enough that the damping along n stays.
 void SurfaceContact::update_rise(const StepInput& in) noexcept {
-  if (!in.carrier || !now_.on_surface()) {
+  if (!in.carrier || now_.mode == ContactMode::retreat) {
     carried_ = false;
     now_.rise = 0.0;  // its effect decays with the force carried over at the switch
     return;

@@ -53,7 +53,7 @@ TipTarget target_on_plan(const StepInput& in, const Contact& contact,
   d.p_WD = plan.p_WD;
   if (contact.mode == ContactMode::retreat) d.p_WD += settings.approach.retreat_height * plan.n_WD;
   d.axis_WD = plan.n_WD;
-  d.V = stacked(plan.v_WD, plan.w_WD);
+  d.V = stacked(plan.v_WD + contact.rise * contact.n, plan.w_WD);
   d.Vdot = stacked(plan.a_WD, plan.alpha_WD);
   d.Ke = settings.stiffness.apply(
       plan.n_WD,

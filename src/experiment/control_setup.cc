@@ -115,7 +115,7 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
 // asks for. A canvas that moves may jerk: a lighter pen hits it, and leaves it, less.
 void choose_mass(const ControlSettings& given, bool follows_canvas, ImpedanceSettings* control) {
   constexpr double kMargin = 1.3;        // over the lightest that is stable
-  constexpr double kOnAMovingOne = 0.8;  // [kg]
+  constexpr double kOnAMovingOne = 0.6;  // [kg]
   if (control->inertia != InertiaShaping::shaped || control->wrench == WrenchFeedback::none) return;
   double& mass = control->shaped_inertia.linear.normal;
   if (given.mass_normal) {

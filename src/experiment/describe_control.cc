@@ -128,7 +128,7 @@ void describe(Fields& f, ControlSettings& s) {
   f.field(
       "mass_normal", s.mass_normal, Limits::mass.range, std::string(Limits::mass.unit),
       "Desired mass for inertia: shaped, along the surface normal. A lighter pen follows a rough "
-      "surface with a steadier force. null: 1.5 kg, with perception.frames 0.8 kg, or 1.3 times "
+      "surface with a steadier force. null: 1.5 kg, with perception.frames 0.6 kg, or 1.3 times "
       "the "
       "lightest that is stable with a wrench as late as control.sensing makes it.");
   describe_axial(f, Limits::rotational_inertia, s.shaped_inertia.angular,

@@ -156,6 +156,27 @@ JointSpringSettings springs_as_stated(const ArmSettings& s, const ArmModel& arm,
   return springs;
 }
 
+// Nothing takes the springs' deflection off readings of the motors' side.
+void refuse_motor_readings(const Scenario& s, ArmModel arm, const Eigen::VectorXd& q,
+                           const SettingErrors& setting_errors) {
+  constexpr double kMost = 2e-4;  // by which weight may shift the tip [m]
+  if (s.arm.driver != ArmDriver::sim || !s.world.joint_spring.on()) return;
+  const JointSpringValues springs = joint_spring_values(s.world.joint_spring, arm.joints());
+  if (!springs.motor_side) return;
+  ArmTerms terms(arm.joints());
+  arm.compute(q, JointVector::Zero(arm.joints()), &terms);
+  const JointVector bent = terms.g.cwiseQuotient(springs.stiffness);
+  const double off = (terms.J.topRows<3>() * bent).norm();
+  if (off <= kMost) return;
+  setting_errors.raise(
+      {"world.joint_spring.reading", "world.joint_spring"},
+      fmt::format(
+          "world.joint_spring.reading: motor: the arm's weight bends joints by up to {:.2g} "
+          "mrad behind what is read, which puts the tip {:.2g} mm off, and nothing takes it "
+          "off the readings; valid is link, or springs that bend it by {:.1g} mm at most",
+          1e3 * bent.cwiseAbs().maxCoeff(), 1e3 * off, 1e3 * kMost));
+}
+
 }  // namespace
 
 void bear_joint_springs(const Scenario& s, const ArmModel& arm, const Eigen::VectorXd& start_q,
@@ -165,6 +186,7 @@ void bear_joint_springs(const Scenario& s, const ArmModel& arm, const Eigen::Vec
   constexpr double kLeast = 5.0;      // that is of use against friction [rad/s]
   constexpr double kOff = 1.1;        // true springs and loop from what is said of them
   constexpr double kMostAfter = 0.4;  // of a kick that may be left after 0.8 s
+  refuse_motor_readings(s, arm, q, setting_errors);
   if (s.arm.joint_stiffness.empty()) return;
   const double delay =
       s.arm.driver == ArmDriver::sim ? s.control.torque_delay.value_or(0.0) : s.arm.delay;

@@ -55,7 +55,9 @@ void check_rotors(const Scenario& s, const ControlSetup& setup, const ArmModel& 
 // tenth softer springs and a faster loop, and the other way round.
 
 // Lowers setup->impedance.observer.bandwidth as far as that asks for, with a note. Throws
-// InputError if no bandwidth does. Nothing happens for an arm without arm.joint_stiffness.
+// InputError if no bandwidth does, and for a simulated arm whose motors' side is read while its
+// weight bends the springs by more than 0.2 mm at the tip. Else nothing happens for an arm without
+// arm.joint_stiffness.
 void bear_joint_springs(const Scenario& s, const ArmModel& arm, const Eigen::VectorXd& start_q,
                         const Eigen::VectorXd& q, ControlSetup* setup,
                         std::vector<std::string>* notes, const SettingErrors& setting_errors);

@@ -319,6 +319,16 @@ void CanvasTracker::add(const CanvasFrame& frame) noexcept {
   ++belief_.frames;
 }
 
+void CanvasTracker::restamp(double by) noexcept {
+  for (Entry& e : entries_) {
+    e.time += by;
+    for (AxisWave& wave : e.waves) wave.origin += by;
+    for (auto& band : e.bands)
+      for (AxisPolynomial& axis : band) axis.origin += by;
+  }
+  if (!entries_.empty()) belief_.last = entries_.back();
+}
+
 double CanvasTracker::position_error() const noexcept {
   return std::sqrt(belief_.scores[0].blended + belief_.scores[1].blended +
                    belief_.scores[2].blended);

@@ -46,6 +46,9 @@ class CanvasTracker {
   // In any order; one that is older than kWindow, and one that tells no pose, is ignored.
   void add(const CanvasFrame& frame) noexcept;
 
+  // Moves the times of all frames so far by `by` [s].
+  void restamp(double by) noexcept;
+
   // At `time`, not before that of the last call. Without smoothing: what the bank
   // predicts.
   CanvasEstimate predict(double time) const noexcept {

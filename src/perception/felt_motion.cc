@@ -73,9 +73,11 @@ void FeltMotion::judge(const CanvasBelief& belief) noexcept {
   while (back < count_ && step(back).time > at + 0.5 * step(back).dt) ++back;
   if (back >= count_) return;
   const Step& then = step(back);
-  const double gain = std::min(at - judged_at_, 0.1) / kFeltScoreTime;
+  const double since = at - judged_at_, gain = std::min(since, 0.1) / kFeltScoreTime;
   judged_at_ = at;
   const Vector3d off = belief.last.X_WK * (then.X_WK.inverse() * then.p) - then.p;
+  const Vector3d& n = then.axes[along_normal];
+  if (!n.isZero(0.0)) stamps_.add(n.dot(then.v), then.height - n.dot(off), since);
   for (int k = 0; k < kDirections; ++k) {
     if (then.axes[k].isZero(0.0)) continue;
     Score& s = scores_[k];
@@ -106,7 +108,9 @@ void FeltMotion::update(const CanvasBelief& belief, const PenTouch& pen, double 
   const double dt = count_ > 0 ? std::clamp(time - time_, 0.0, 0.02) : 0.0;
   time_ = time;
   const FrameMotion canvas = forecast(belief, time);
-  Step s{time, dt, canvas.X_WK, pen.p, pen.v, {}, {}};
+  // From the canvas as the law has it to the forecast without what is felt.
+  const Vector3d forecast_off = canvas.X_WK * (pen.X_WK.inverse() * pen.p) - pen.p;
+  Step s{time, dt, canvas.X_WK, pen.p, pen.v, pen.height - pen.n.dot(forecast_off), {}, {}};
   s.axes.fill(Vector3d::Zero());
   const double press = pen.touches ? pen.n.dot(pen.force) : 0.0;
   if (press > kLeastPress) {

@@ -27,6 +27,7 @@
 #include <Eigen/Core>
 
 #include "impedraw/perception/canvas_belief.h"
+#include "impedraw/perception/stamp_lag.h"
 
 namespace impedraw {
 
@@ -37,6 +38,8 @@ struct PenTouch {
   Eigen::Vector3d v = Eigen::Vector3d::Zero();      // [m/s]
   Eigen::Vector3d n = Eigen::Vector3d::UnitZ();     // of the surface, outward
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the tip [N]
+  Pose X_WK;                                        // of the canvas, as the law has it
+  double height = 0.0;                              // over its surface there [m]
 };
 
 class FeltMotion {
@@ -53,6 +56,7 @@ class FeltMotion {
   CanvasShift shift(double time) const noexcept;
   // Between 0 and 1.
   double share(Direction k) const noexcept { return share_[k]; }
+  const StampLag& stamps() const noexcept { return stamps_; }
 
  private:
   static constexpr std::size_t kMost = 512;  // steps that are kept
@@ -61,8 +65,9 @@ class FeltMotion {
     double time = 0.0, dt = 0.0;
     Pose X_WK;  // as forecast then
     Eigen::Vector3d p, v;
-    Shifts axes;  // n and c; zero where nothing is felt
-    Shifts d;     // as of then
+    double height;  // over the surface as forecast
+    Shifts axes;    // n and c; zero where nothing is felt
+    Shifts d;       // as of then
   };
 
   const Step& step(std::size_t back) const noexcept {
@@ -83,6 +88,7 @@ class FeltMotion {
   };
   std::array<Score, kDirections> scores_{};
   std::array<double, kDirections> share_{};
+  StampLag stamps_;
   Shifts d_, rate_;
   double time_ = 0.0;
 };

@@ -36,9 +36,12 @@ void CanvasWatch::end() {
 }
 
 bool CanvasWatch::take_frames(double time) {
-  bool any = false;
+  const double lag = stamp_lag_;
+  bool any = lag != restamped_;
+  if (any) tracker_->restamp(restamped_ - lag);
+  restamped_ = lag;
   for (CanvasFrame frame; driver_.next_frame(&frame); any = true) {
-    frame.time -= stamp_error_;
+    frame.time -= stamp_error_ + lag;
     tracker_->add(frame);
     if (surface_ && frame.depth) surface_->offer(tracker_->shape()->model().points(), time);
   }

@@ -35,7 +35,10 @@ class CanvasWatch {
   void update(double time) noexcept;
   CanvasEstimate follow(double time) noexcept;
   // The tip in this step, where a wrench is measured.
-  void feel(const PenTouch& pen, double time) noexcept { felt_.update(belief(), pen, time); }
+  void feel(const PenTouch& pen, double time) noexcept {
+    felt_.update(belief(), pen, time);
+    stamp_lag_ = felt_.stamps().lag();
+  }
   const FeltMotion& felt() const noexcept { return felt_; }
   // Null: as the snapshot saw it.
   const GrowingSurface* surface() const noexcept { return surface_.get(); }
@@ -56,9 +59,11 @@ class CanvasWatch {
   // On a wall clock.
   SmoothedCanvas smoothed_;
   Latest<CanvasBelief> latest_;
-  std::atomic<double> now_ = 0.0;  // of the loop [s]
-  std::atomic<int> stage_ = 0;     // 0: not begun, 1: takes frames, 2: at its end
+  std::atomic<double> now_ = 0.0;        // of the loop [s]
+  std::atomic<double> stamp_lag_ = 0.0;  // beyond the error that is known [s]
+  std::atomic<int> stage_ = 0;           // 0: not begun, 1: takes frames, 2: at its end
   std::thread taker_;
+  double restamped_ = 0.0;  // the stamp_lag_ that all frames have [s]
 };
 
 }  // namespace impedraw

@@ -277,6 +277,11 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
   if (experiment.scenario.drawing.skip_unreachable)
     for (const UnreachedPart& u : drawing.outcome.unreached)
       say(stderr, "note: not drawn: {}\n", u.text);
+  if (const double lag = drawing.outcome.stamp_lag; lag != 0.0)
+    say(stderr,
+        "note: frames' time stamps are {:.1f} ms later than perception.frames.stamp_error says, as "
+        "the pen on the canvas showed; {:.5f} says so from the beginning\n",
+        1e3 * lag, lag + experiment.scenario.perception.frames.stamp_error);
   if (!drawing.outcome.not_real_time.empty())
     say(stderr, "note: arm.real_time: {}\n", drawing.outcome.not_real_time);
   write_strokes(folder, experiment, drawing.outcome);

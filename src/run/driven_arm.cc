@@ -1,6 +1,7 @@
 #include "impedraw/run/driven_arm.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "impedraw/run/log_row.h"
@@ -119,6 +120,7 @@ Cycle DrivenArm::step(const PathSample& desired, const Law& law, double time_sca
                                         : loop_.step(*state_, desired.reference);
   if (watch_) {
     watch_->feel(touch(cycle), cycle.time);
+    record_.stamp_lag = watch_->felt().stamps().lag();
     cycle.confirmed = watch_->felt().share(FeltMotion::along_normal);
   }
   row_.step_time = seconds_since(step_start);
@@ -145,7 +147,13 @@ void DrivenArm::hold_pen(const HeldPen& pen) {
 PenTouch DrivenArm::touch(const Cycle& cycle) const {
   const bool touches =
       out_.mode == ContactMode::contact && e_.control.impedance.wrench == WrenchFeedback::measured;
-  return {touches, cycle.arm.X_WE.p, cycle.arm.V_WE.head<3>(), out_.n_WD, cycle.F_ext.head<3>()};
+  return {touches,
+          cycle.arm.X_WE.p,
+          cycle.arm.V_WE.head<3>(),
+          out_.n_WD,
+          cycle.F_ext.head<3>(),
+          cycle.canvas.pose(),
+          cycle.surface.status == SurfaceStatus::ok ? cycle.surface.distance : std::nan("")};
 }
 
 // Logs the cycle, and learns from it where the canvas is and what has ink.

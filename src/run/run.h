@@ -94,6 +94,7 @@ struct LoopRecord {
   // Duration of each controller status: limits met, bad inputs [s].
   std::map<std::string, double> met;
   std::optional<SlowVelocity> slow_velocity;
+  double stamp_lag = 0.0;  // of frames, as it was found while drawing (stamp_lag.h) [s]
 };
 
 // `end` is never nothing_drawn or far_off: those are judged from the log.

@@ -235,5 +235,19 @@ TEST(Springs, TheSlowerTheTorqueLoopTheSlowerTheObserverUntilItIsRefusedByName) 
   }
 }
 
+// The arm's weight bends the springs, and the readings do not show it.
+TEST(Springs, ReadingsOfTheMotorsSideAreRefusedByName) {
+  for (const char* stiffness : {"arm.joint_stiffness=11000", "arm.joint_stiffness=[]"}) {
+    try {
+      prepare(
+          resolve_scenario("bowl-sine-elastic", {"world.joint_spring.reading=motor", stiffness}));
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("world.joint_spring.reading: motor"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("valid is link"));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace impedraw
