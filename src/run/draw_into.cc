@@ -16,7 +16,7 @@
 #include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/files/durable_file.h"
-#include "impedraw/log/visit_rows.h"
+#include "impedraw/log/run_rows.h"
 #include "impedraw/run/folder_lock.h"
 #include "impedraw/run/groove.h"
 #include "impedraw/run/incident.h"

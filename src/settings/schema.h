@@ -158,12 +158,12 @@ class Fields {
     return add(std::move(name), std::move(help), unit, range, optional(value, inner));
   }
   template <int N>
-  void field(std::string name, std::optional<Eigen::Matrix<double, N, 1>>& value, Range range,
-             std::string unit, std::string help) {
+  Fields& field(std::string name, std::optional<Eigen::Matrix<double, N, 1>>& value, Range range,
+                std::string unit, std::string help) {
     auto inner = [&value, range, unit] {
       return Setting{"", "", unit, range, Numbers{value->data(), N, range, unit}};
     };
-    add(std::move(name), std::move(help), unit, range, optional(value, inner));
+    return add(std::move(name), std::move(help), unit, range, optional(value, inner));
   }
   template <Number T>
   Fields& field(std::string name, std::vector<T>& value, Range range, std::string unit,
