@@ -13,7 +13,7 @@ namespace {
 constexpr double kQuick = 200.0, kSlow = 12.0, kMean = 50.0;  // [rad/s]
 constexpr double kOpposed = 1.5, kMost = 3.5, kMadeUp = 0.8, kAlike = 0.94;
 constexpr double kLeastForce = 4.0, kLeastTorque = 2.0, kShare = 0.01;  // [N], [Nm], of the limit
-constexpr double kMadeUpForce = 5.6;                                    // [N]
+constexpr double kMadeUpForce = 9.0;                                    // [N]
 constexpr int kLasts = 4;  // cycles: longer than an outlier
 
 double wrench_age(const TimingSettings& t) {

@@ -10,7 +10,7 @@
 //   opposed   −3.5 < ⟨x y⟩/⟨x²⟩ < −1.5, with √⟨x²⟩ above 4 N of the wrench, or of τ above 2 Nm
 //             and 1 % of the joint's limit. Dry friction of 3 Nm that begins to hold the arm as the
 //             pen lands looks alike, but smaller.
-//   made up   the same below −0.8, with 5.6 N of the wrench
+//   made up   the same below −0.8, with 9 N of the wrench
 //
 // What pushes on the arm unseen is no multiple of x: it would have to grow with what answers it.
 #pragma once
