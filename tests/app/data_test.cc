@@ -53,15 +53,17 @@ class Data : public ScratchFolder {
   static Words draw(const Words& more) {
     return Words{"draw", "--svg", "drawing.svg", "--out", "run"} + more;
   }
-  // Waits until the file exists, or the process has ended.
-  static void until(const Process& process, const fs::path& file) {
-    for (int i = 0; i < 60000 && process.running() && !fs::exists(file); ++i)
+  // Waits until the file exists and has that many bytes, or the process has ended.
+  static void until(const Process& process, const fs::path& file, std::uintmax_t bytes = 0) {
+    std::error_code none;
+    const auto there = [&] { return fs::exists(file) && fs::file_size(file, none) >= bytes; };
+    for (int i = 0; i < 60000 && process.running() && !there(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   // A run that a signal ends while it draws.
   Ended draw_until(int signal, const Words& more = {}) const {
     Process process(folder_, draw(kLong + more));
-    until(process, run("run.journal"));
+    until(process, run("run.journal"), 4096);  // 1 kB before the first step
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
     process.signal(signal);
     return process.wait();
