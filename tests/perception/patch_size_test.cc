@@ -27,7 +27,7 @@ TEST(PatchSize, NoiseAsksForMorePoints) {
   const NormalSettings settings;
   EXPECT_EQ(calm_patch(sheet(1e-5), settings), settings.k);
   // k points on a grid fill a circle: r = spacing √(k / π), and the fit leaves most of the noise.
-  const double noise = 0.4e-3;
+  const double noise = 0.2e-3;
   const double error = 4.0 * noise * std::sqrt(std::numbers::pi) / (settings.k * 0.004);
   const int k = calm_patch(sheet(noise), settings);
   EXPECT_NEAR(k, settings.k * error / kCalmNormal, 0.25 * k);
