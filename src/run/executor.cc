@@ -16,6 +16,7 @@ namespace {
 constexpr double kLiftOffCanvas = 0.1;  // clear of a canvas that moves [m]
 constexpr double kLiftALittle = 0.01;   // at a blocked place [m]
 constexpr long kPollEvery = 10;         // cycles
+constexpr double kBump = 10.0;          // on a pen that is changed or checked, in the air [N]
 
 PathSample in_air(const TipReference& reference, Phase phase) {
   return {reference, -1, std::nan(""), phase};
@@ -118,21 +119,26 @@ void Executor::go_to(const Move& move) {
   const Eigen::Vector3d way = move.place_W - from.p_WD;
   const Eigen::AngleAxisd turn(
       Eigen::Quaterniond::FromTwoVectors(from.n_WD, move.normal_W.value_or(from.n_WD)));
-  move_in_world([&] { return arm_.time() < move.until; }, nullptr,
-                [&](double time) {
-                  const MinimumJerk jerk =
-                      MinimumJerk::at(std::clamp((time - begin) / duration, 0.0, 1.0), duration);
-                  TipReference on_way = from;
-                  on_way.p_WD += jerk.share * way;
-                  on_way.v_WD = jerk.rate * way;
-                  on_way.a_WD = jerk.change * way;
-                  on_way.n_WD =
-                      Eigen::AngleAxisd(jerk.share * turn.angle(), turn.axis()) * from.n_WD;
-                  on_way.w_WD = jerk.rate * turn.angle() * turn.axis();
-                  on_way.alpha_WD = jerk.change * turn.angle() * turn.axis();
-                  return on_way;
-                });
-  if (!goes_on()) return;
+  const auto goes_on = [&] {
+    if (move.normal_W && !lift_ && arm_.loop().F_ext().head<3>().norm() > kBump)
+      react({Severity::lift, fmt::format("the pen met something in the air at t = {:.3f} s, on its "
+                                         "way to or from pen.place and pen.spot",
+                                         arm_.run_time())});
+    return arm_.time() < move.until;
+  };
+  move_in_world(goes_on, nullptr, [&](double time) {
+    const MinimumJerk jerk =
+        MinimumJerk::at(std::clamp((time - begin) / duration, 0.0, 1.0), duration);
+    TipReference on_way = from;
+    on_way.p_WD += jerk.share * way;
+    on_way.v_WD = jerk.rate * way;
+    on_way.a_WD = jerk.change * way;
+    on_way.n_WD = Eigen::AngleAxisd(jerk.share * turn.angle(), turn.axis()) * from.n_WD;
+    on_way.w_WD = jerk.rate * turn.angle() * turn.axis();
+    on_way.alpha_WD = jerk.change * turn.angle() * turn.axis();
+    return on_way;
+  });
+  if (!this->goes_on()) return;
   rest_.p_WD = move.place_W;
   rest_.n_WD = turn * from.n_WD;
 }

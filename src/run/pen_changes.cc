@@ -153,27 +153,34 @@ void PenChanges::begin_check() {
   steps_.push_back(go(place_W_, axis_W_));
 }
 
-// The way back up, with the pen's length as it was found.
+// The way back up, with the pen's length as it was found; then the end, if it cannot be that.
 Move PenChanges::found(const Situation& now) {
   const Eigen::Vector3d n = spot_->R.col(2);
-  Move move;
+  std::string wrong;
   if (!now.last.felt) {
-    move.cause =
-        fmt::format("the pen of {} felt nothing on the spot of pen.check", name_of(in_.number));
-    return move;
-  }
-  const double s = n.dot(*now.last.felt);
-  if (in_.spot) {
+    wrong = fmt::format("the pen of {} felt nothing on the spot of pen.check", name_of(in_.number));
+  } else if (const double s = n.dot(*now.last.felt); in_.spot) {
     in_.longer += s - *in_.spot;
     remarks_.push_back(fmt::format("the tip of {} was found {:.2f} mm {} that of arm.urdf",
                                    name_of(in_.number), 1e3 * std::abs(in_.longer),
                                    in_.longer < 0.0 ? "short of" : "beyond"));
+    if (!LayerPenSettings::Limits::longer.range.holds(in_.longer))
+      wrong = remarks_.back() + ": is pen.spot right?";
   } else {
     in_.spot = s;
   }
-  move = go(spot_->p + kAbove * n, n)(now);
-  move.pen = in_;
-  return move;
+  Move up = go(spot_->p + kAbove * n, n)(now);
+  if (wrong.empty()) {
+    up.pen = in_;
+    return up;
+  }
+  steps_.clear();
+  steps_.push_back([wrong](const Situation&) {
+    Move end;
+    end.cause = wrong;
+    return end;
+  });
+  return up;
 }
 
 PenChanges::Step PenChanges::go(const Eigen::Vector3d& p_W, const Eigen::Vector3d& n_W) const {

@@ -139,6 +139,33 @@ TEST_F(PenChangesTest, ResumesWithThePenThatIsIn) {
   EXPECT_NEAR(held_.back().longer, 0.5e-3, 0.1e-3);
 }
 
+// A known spot tells the first pen's length, too. One that is not where it is said to be is found
+// before a pen bends on it.
+TEST_F(PenChangesTest, AKnownSpotChecksTheFirstPenToo) {
+  const double z = layers(kPens).surface()(0.6, 0.0)->p_P.z();
+  const auto with_spot = [&](double height) {
+    held_.clear();
+    Prepared e = layers(kPens, {"pen.check=true", "world.errors.pens_longer=[0.001, 0.003]",
+                                fmt::format("pen.spot=[0.6, 0, {}]", height)});
+    return run(e, log(), 0.0, recording());
+  };
+  const RunOutcome outcome = with_spot(z);
+  EXPECT_EQ(outcome.end, RunEnd::finished) << outcome.cause;
+  double least = 1.0, most = 0.0;
+  for (const HeldPen& pen : held_) (pen.number == 1 ? most : least) = pen.longer;
+  EXPECT_NEAR(least, 1e-3, 0.2e-3);
+  EXPECT_NEAR(most, 3e-3, 0.2e-3);
+  for (const double wrong : {-0.1, -0.022}) {
+    const RunOutcome stopped = with_spot(z + wrong);
+    EXPECT_EQ(stopped.end, RunEnd::stopped);
+    EXPECT_THAT(stopped.cause, HasSubstr("pen.spot")) << wrong;
+    double hardest = 0.0;
+    for (const Eigen::Vector3d& f : read_rows(log()).contact_force)
+      if (f.allFinite()) hardest = std::max(hardest, f.norm());
+    EXPECT_LT(hardest, 40.0) << wrong;
+  }
+}
+
 TEST_F(PenChangesTest, ACheckNeedsAWrench) {
   try {
     layers(kPens, {"pen.check=true", "control.wrench=none", "control.inertia=natural"});
