@@ -22,6 +22,7 @@ class StampLag {
   static constexpr double kSurely = 1e-3, kMost = 0.05;  // [s]
   static constexpr double kApart = 0.04;  // between frames that tell as much as one each [s]
   static constexpr double kFewest = 20.0;
+  static constexpr double kUneven = 3e-5;  // of h_0 along a line, as n·v may vary, too [m]
 
   // Of a frame whose stamp was taken to be lag() late: n·v [m/s], h [m], the time since the one
   // before [s].
@@ -38,7 +39,8 @@ class StampLag {
                  hh = hh_ - h_ * h_ / count_;
     if (count_ < kFewest || !(vv > 0.0)) return;
     const double delta = vh / vv;
-    deviation_ = std::sqrt(std::max(0.0, hh - delta * vh) / (count_ - 2.0) / vv);
+    const double noise = std::max(0.0, hh - delta * vh) / (count_ - 2.0);
+    deviation_ = std::sqrt((noise + count_ * kUneven * kUneven) / vv);
     const bool known = deviation_ < kSurely && 3.0 * deviation_ < std::abs(delta);
     if (known && std::abs(delta) < kMost && std::abs(delta - lag_) > deviation_) lag_ = delta;
   }
