@@ -65,8 +65,7 @@ SHAPES = {  # half a width along x and y [m]
     ell: (0.09, 0.09), strip: (0.09, 0.13)}
 
 
-def main():
-    folder = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[1] / "build/cover-meshes")
+def write(folder):
     folder.mkdir(parents=True, exist_ok=True)
     for height, (a, b) in SHAPES.items():
         nx, ny = round(2 * a / STEP) + 1, round(2 * b / STEP) + 1
@@ -85,4 +84,5 @@ def main():
         (folder / f"{height.__name__}.obj").write_text("".join(lines))
 
 
-main()
+if __name__ == "__main__":
+    write(pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[1] / "build/cover-meshes"))

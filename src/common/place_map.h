@@ -1,5 +1,5 @@
-// Points in space, one for each cube that was visited: what a tool leaves along its way, and what it
-// has touched. Its size is fixed, so that nothing is allocated while it is filled.
+// Points in space, one for each cube that was visited: what a tool leaves along its way, and what
+// it has touched. Its size is fixed: nothing is allocated while it is filled.
 #pragma once
 
 #include <array>

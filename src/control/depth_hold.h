@@ -1,7 +1,6 @@
 // Holds the depth of a cut below the touched surface, by the push along the normal.
 //
-// Score   a first, shallow cut by force alone: where E was, less the cut's depth f_n/k by its model,
-//         there the surface is
+// Score   a first, shallow cut by force alone: the surface is where E was, less the depth f_n/k
 // Cut     F = F_n + I,  İ = kRate k (d_asked − d),  |I| ≤ kShare F_n
 //         d = n·(p_S − p_E) − d_1 (1 − F_n/F)
 // F_n     of the reference: what the model of the cut asks for

@@ -71,10 +71,13 @@ std::map<std::string, double> given_up(const Experiment& e, const std::vector<St
 bool writes(const Experiment& e, ContactMode mode, double normal_force, double push) {
   const ImpedanceSettings& control = e.control.impedance;
   const bool measured = control.wrench == WrenchFeedback::measured;
-  // A pad treats what it presses with the force asked for, within a tenth.
+  // A pad treats what it presses with the force asked for, within a tenth; a cutter cuts what it
+  // touches.
   const double asked = push > 0.0 ? push : control.normal_force;
-  const double least =
-      e.scenario.tool.kind == ToolKind::pen ? InkWatch::least_force(asked) : 0.9 * asked;
+  const ToolKind tool = e.scenario.tool.kind;
+  const double least = tool == ToolKind::pen   ? InkWatch::least_force(asked)
+                       : tool == ToolKind::pad ? 0.9 * asked
+                                               : 0.0;
   if (measured && !(normal_force >= least)) return false;
   // Blind, the law has no contact state. Without a wrench too, contact is unknown.
   return !e.belief.estimates_surface() || mode == ContactMode::contact;

@@ -22,12 +22,13 @@ void CutterContact::release() noexcept {
 }
 
 void CutterContact::engage(const Eigen::Vector3d& p, const Eigen::Vector3d& n,
-                           const Eigen::Vector3d& v, double depth, TipMaterial* tip,
+                           const Eigen::Vector3d& v, double depth, double dt, TipMaterial* tip,
                            Eigen::Vector3d* side) noexcept {
   const double v_n = n.dot(v), slope = std::tan(settings_.half_angle);
   const Eigen::Vector3d v_t = v - n * v_n;
   const double speed = v_t.norm();
-  if (speed > kLeastSpeed) way_ = v_t / speed;
+  const double turned = std::min(1.0, 2.0 * speed * dt / (slope * depth));
+  if (speed > 0.0) way_ += turned * (v_t / speed - way_);
   const Eigen::Vector3d across = n.cross(way_);
   double groove = 0.0;
   floor_.around(p, [&](const KeptPlace& cut) {
@@ -49,7 +50,7 @@ void CutterContact::engage(const Eigen::Vector3d& p, const Eigen::Vector3d& n,
   tip->damping =
       2.0 * f.normal * slope / (std::numbers::pi * std::max(sliding, slope * std::abs(v_n)));
   tip->friction = f.normal > 0.0 ? f.drag / f.normal : 0.0;
-  *side = f.side / sliding * n.cross(v_t);
+  *side = f.side * across;
 }
 
 }  // namespace impedraw

@@ -1,11 +1,12 @@
 // Contact of a turning conical cutter with the canvas, whose material it takes away.
 //
 //   f_n = max(0, F_n(d, g, v) − b v_n),  b = 2 F_n tan α/(π u),  u = max(v, |v_n| tan α, 1 mm/s)
-//   |f_t| ≤ F_drag f_n/F_n,  side = F_side n × v_t/max(v, 1 mm/s)          cut_forces.h
+//   |f_t| ≤ F_drag f_n/F_n,  side = F_side n × w                          cut_forces.h
+//   ẇ = (v_t − v w)/ℓ,  ℓ = d tan α/2        w: where the uncut material is, 0 as it sinks in
 //
 // d: depth of the apex below the canvas; g: of the groove that lies ahead. b: a cutter that also
 // sinks cuts with more than its front, as far as its motion faces the cone. Run-out of the spindle
-// keeps it cutting at rest as at 1 mm/s. What is cut counts as a groove once the cutter has left it.
+// keeps it cutting at rest as at 1 mm/s. What is cut is a groove once the cutter has left it.
 #pragma once
 
 #include <array>
@@ -26,7 +27,7 @@ class CutterContact {
   // it; all in the canvas's frame. Sets what the tip is like there, and the force across its way.
   // Takes the material away.
   void engage(const Eigen::Vector3d& p, const Eigen::Vector3d& n, const Eigen::Vector3d& v,
-              double depth, TipMaterial* tip, Eigen::Vector3d* side) noexcept;
+              double depth, double dt, TipMaterial* tip, Eigen::Vector3d* side) noexcept;
   void release() noexcept;  // it is out of the material
 
  private:
@@ -44,7 +45,7 @@ class CutterContact {
   PlaceMap floor_{kCell, 1u << 18};                // value: depth [m]
   std::array<Cut, 64> own_;                        // not yet left
   std::size_t oldest_ = 0, count_ = 0;             // of own_
-  Eigen::Vector3d way_ = Eigen::Vector3d::Zero();  // unit, of the last motion; zero: none yet
+  Eigen::Vector3d way_ = Eigen::Vector3d::Zero();  // w
 };
 
 }  // namespace impedraw

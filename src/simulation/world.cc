@@ -402,8 +402,8 @@ Eigen::Vector3d World::engage_cutter() noexcept {
   const Pose X_KW = motion_.moves() ? canvas_state().X_WK.inverse() : Pose();
   const Eigen::Matrix3d R_KC = X_KW.R * touch.R_WC;
   const Eigen::Vector3d v_C = touch.J_C.lazyProduct(state_.v) - touch.canvas_velocity;
-  cutter_->engage(X_KW * touch.p_WC, R_KC.col(2), R_KC * v_C, touch.step.penetration, &touch.tip,
-                  &side_K);
+  cutter_->engage(X_KW * touch.p_WC, R_KC.col(2), R_KC * v_C, touch.step.penetration, h_,
+                  &touch.tip, &side_K);
   return X_KW.R.transpose() * side_K;
 }
 

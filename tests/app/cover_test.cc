@@ -80,7 +80,7 @@ TEST_F(Cover, AnEngraverHoldsItsDepth) {
     const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
     EXPECT_LT(metrics["depth_error_rms"], 0.03) << hardness;
     EXPECT_NEAR(metrics["depth_mean"], 0.3, 0.01) << hardness;
-    EXPECT_EQ(metrics["coverage"], 1.0);
+    EXPECT_GT(metrics["coverage"], 0.99);
   }
   EXPECT_EQ(run("scenarios/bowl-sine-blind.yaml --set tool.kind=engraver --overwrite", "draw"), 2);
   EXPECT_NE(said().find("tool.kind: an engraver holds its depth"), std::string::npos) << said();

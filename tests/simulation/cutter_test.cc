@@ -1,4 +1,4 @@
-// The cutter's forces against a sum over its edge, and a slider that cuts against their closed form.
+// Forces of a cutter against a sum over its edge, and a slider that cuts against the closed form.
 #include "impedraw/simulation/cutter_contact.h"
 
 #include <cmath>
