@@ -69,9 +69,9 @@ int plan(const DrawOptions& options, bool as_json, bool suggest) {
   const PageContext context = page_context(e.scenario, e.artwork, "");
   write_whole(folder / "plan.html", page_html(page.title, {make_payload(page, context)}));
   if (!as_json)
-    say(stdout, "picture  {}\npage     {}\n",
-        fs::absolute(folder / "plan.png").lexically_normal().string(),
-        fs::absolute(folder / "plan.html").lexically_normal().string());
+    for (const auto& [name, file] :
+         {std::pair{"picture", "plan.png"}, {"flat", "pens.png"}, {"page", "plan.html"}})
+      say(stdout, "{:<8} {}\n", name, fs::absolute(folder / file).lexically_normal().string());
   return e.plan.preflight.findings.empty() ? kFinished : kMissed;
 }
 

@@ -10,11 +10,16 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kQuick = 200.0, kSlow = 12.0, kMean = 50.0;  // [rad/s]
-constexpr double kOpposed = 1.5, kMost = 3.5, kMadeUp = 0.8, kAlike = 0.94;
+constexpr double kQuick = 200.0, kMean = 50.0;            // [rad/s]
+constexpr double kSlowTorque = 80.0, kSlowWrench = 12.0;  // [rad/s]
+constexpr double kOpposed = 1.5, kMost = 3.5, kMadeUp = 0.8;
+constexpr double kTurned = 1.6, kMostTurned = 2.5, kAlike = 0.94;
 constexpr double kLeastForce = 4.0, kLeastTorque = 2.0, kShare = 0.01;  // [N], [Nm], of the limit
 constexpr double kMadeUpForce = 9.0;                                    // [N]
 constexpr int kLasts = 4;  // cycles: longer than an outlier
+
+// The share of a step that a low-pass of that bandwidth follows.
+double followed(double bandwidth, double dt) { return 1.0 - std::exp(-bandwidth * dt); }
 
 double wrench_age(const TimingSettings& t) {
   return std::max(0.0, t.wrench_delay - t.dt - t.velocity_age);
@@ -30,15 +35,17 @@ SignMonitor::SignMonitor(const ImpedanceSettings& s, const JointVector& torque_l
       observer_({true, kQuick, 1000.0, {}}, static_cast<int>(torque_limit.size()), dt_,
                 wrench_age(s.timing), s.timing.torque_delay() + s.timing.velocity_age),
       v_(JointVector::Zero(torque_limit.size())),
-      least_(Channels::Constant(torque_limit.size() + 3, kLeastForce)) {
+      least_(Channels::Constant(torque_limit.size() + 3, kLeastForce)),
+      slow_(Channels::Constant(torque_limit.size() + 3, followed(kSlowWrench, dt_))) {
   least_.head(torque_limit.size()) = (kShare * torque_limit.array()).max(kLeastTorque);
+  slow_.head(torque_limit.size()).setConstant(followed(kSlowTorque, dt_));
   weightless_.fill(v_);
   quick_ = x_slow_ = y_slow_ = size_quick_ = size_slow_ = xx_ = xy_ = yy_ = sizes_ =
       Channels::Zero(least_.size());
 }
 
-std::string SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
-                                const JointVector& tau) noexcept {
+Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
+                            const JointVector& tau) noexcept {
   // Of a state that was read before, or of rest, nothing is learned.
   if (arm.v == v_ || !arm.v.allFinite() || !F_ext.allFinite() || !tau.allFinite()) {
     observer_.pause();
@@ -64,35 +71,36 @@ std::string SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
     y.tail<3>() = along(r);
     size.tail<3>() = arm.X_WE.R.transpose() * F.head<3>();
   }
-  const auto follow = [&](double rate, const Channels& to, Channels* of) {
-    *of += (1.0 - std::exp(-rate * dt_)) * (to - *of);
-  };
-  follow(kQuick, x, &quick_);
-  follow(kQuick, size, &size_quick_);
-  follow(kSlow, quick_, &x_slow_);
-  follow(kSlow, y, &y_slow_);
-  follow(kSlow, size_quick_, &size_slow_);
+  const double quick = followed(kQuick, dt_), mean = followed(kMean, dt_);
+  quick_ += quick * (x - quick_);
+  size_quick_ += quick * (size - size_quick_);
+  x_slow_ += slow_ * (quick_ - x_slow_);
+  y_slow_ += slow_ * (y - y_slow_);
+  size_slow_ += slow_ * (size_quick_ - size_slow_);
   x = quick_ - x_slow_;
   y -= y_slow_;
-  follow(kMean, x * x, &xx_);
-  follow(kMean, x * y, &xy_);
-  follow(kMean, y * y, &yy_);
-  follow(kMean, (size_quick_ - size_slow_).square(), &sizes_);
+  xx_ += mean * (x * x - xx_);
+  xy_ += mean * (x * y - xy_);
+  yy_ += mean * (y * y - yy_);
+  sizes_ += mean * ((size_quick_ - size_slow_).square() - sizes_);
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     // What fades is the end of a push, and of the friction beside it.
     if (x[i] * x[i] < xx_[i] || xy_[i] * xy_[i] < kAlike * xx_[i] * yy_[i]) continue;
     const double rms = std::sqrt(sizes_[i]), slope = xy_[i] / xx_[i];
-    const bool opposed = rms > least_[i] && slope < -kOpposed && slope > -kMost,
-               made_up = i >= n && rms > kMadeUpForce && slope < -kMadeUp && slope > -kMost;
+    const bool joint = i<n, opposed = rms> least_[i] && slope < -(joint ? kTurned : kOpposed) &&
+                       slope > -(joint ? kMostTurned : kMost),
+               made_up = !joint && rms > kMadeUpForce && slope < -kMadeUp && slope > -kMost;
     if (!opposed && !made_up) continue;
     if (++lasts_ < kLasts) return {};
-    if (i < n)
-      return fmt::format("joint {} turns against its torque of {:.1f} Nm: a sign is wrong", i + 1,
-                         weightless[i]);
-    return fmt::format("the arm moves {} along the pen's {}",
-                       opposed ? "against the measured wrench, whose sign is wrong,"
-                               : "as if the measured wrench did not act",
-                       "xyz"[i - n]);
+    if (joint)
+      return {Severity::lose,
+              fmt::format("joint {} turns against its torque of {:.1f} Nm: a sign is wrong", i + 1,
+                          weightless[i])};
+    return {Severity::damp,
+            fmt::format("the arm moves {} along the pen's {}",
+                        opposed ? "against the measured wrench, whose sign is wrong,"
+                                : "as if the measured wrench did not act",
+                        "xyz"[i - n])};
   }
   lasts_ = 0;
   return {};

@@ -4,19 +4,18 @@
 //         (momentum_observer.h)
 //   x→y   of each joint: τ − g → r.  Of each axis of the pen: J M⁻¹ Jᵀ F_ext → J M⁻¹ r.
 //
-// A sign that is wrong makes y = −2 x; a wrench that is made up makes y = −x. Of changes between 2
-// and 30 Hz, with ⟨⟩ their mean over some 20 ms, of an x that grows and ⟨x y⟩² > 0.94 ⟨x²⟩⟨y²⟩:
+// A sign that is wrong makes y = −2 x; a wrench that is made up makes y = −x. Of changes, with ⟨⟩
+// their mean over some 20 ms, of an x that grows and ⟨x y⟩² > 0.94 ⟨x²⟩⟨y²⟩:
 //
-//   opposed   −3.5 < ⟨x y⟩/⟨x²⟩ < −1.5, with √⟨x²⟩ above 4 N of the wrench, or of τ above 2 Nm
-//             and 1 % of the joint's limit. Dry friction of 3 Nm that begins to hold the arm as the
-//             pen lands looks alike, but smaller.
-//   made up   the same below −0.8, with 9 N of the wrench
-//
-// What pushes on the arm unseen is no multiple of x: it would have to grow with what answers it.
+//   joint     −2.5 < ⟨x y⟩/⟨x²⟩ < −1.6 between 13 and 30 Hz, with √⟨x²⟩ above 2 Nm and 1 % of the
+//             joint's limit. What pushes on the arm unseen changes y at once, and x, the law's
+//             answer, later: slower changes would take a shove on the elbow for a wrong sign.
+//   wrench    −3.5 < ⟨x y⟩/⟨x²⟩ < −1.5 between 2 and 30 Hz, with √⟨x²⟩ above 4 N. Dry friction of
+//             3 Nm that begins to hold the arm as the pen lands looks alike, but smaller.
+//   made up   the same below −0.8, with 9 N
 #pragma once
 
 #include <array>
-#include <string>
 
 #include <fmt/format.h>
 
@@ -33,14 +32,15 @@ class SignMonitor {
   SignMonitor(const ImpedanceSettings& settings, const JointVector& torque_limit);
 
   // A cycle's state, its measured wrench and the torque that it commanded [Nm]. Does not throw, and
-  // allocates for the text alone. Returns what is contradicted; empty: nothing.
-  std::string update(const ArmTerms& arm, const Vector6& F_ext, const JointVector& tau) noexcept;
+  // allocates for the text alone. Damps an arm whose wrench is contradicted. The run ends at once
+  // where a joint's torque is: damping would drive the joint on.
+  Verdict update(const ArmTerms& arm, const Vector6& F_ext, const JointVector& tau) noexcept;
 
   // The same, after a cycle.
   Verdict judge(const Cycle& cycle) {
-    const std::string found = update(cycle.arm, cycle.F_ext, cycle.out.tau);
-    if (found.empty()) return {};
-    return {Severity::damp, fmt::format("{} at t = {:.3f} s", found, cycle.next_run_time())};
+    Verdict found = update(cycle.arm, cycle.F_ext, cycle.out.tau);
+    if (found) found.cause += fmt::format(" at t = {:.3f} s", cycle.next_run_time());
+    return found;
   }
 
  private:
@@ -56,6 +56,7 @@ class SignMonitor {
   JointVector v_;
   int lasts_ = 0;   // cycles
   Channels least_;  // √⟨x²⟩ of what is judged [Nm], [N]
+  Channels slow_;   // the share of a step that the slow means follow
   Channels quick_, x_slow_, y_slow_;
   Channels size_quick_, size_slow_;  // of τ − g and F_ext
   Channels xx_, xy_, yy_, sizes_;    // ⟨⟩ of squares
