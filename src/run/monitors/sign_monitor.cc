@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kQuick = 200.0, kMean = 50.0;            // [rad/s]
 constexpr double kSlowTorque = 80.0, kSlowWrench = 12.0;  // [rad/s]
-constexpr double kOpposed = 1.5, kMost = 3.5, kMadeUp = 0.8;
-constexpr double kTurned = 1.6, kMostTurned = 2.5, kAlike = 0.94;
-constexpr double kLeastForce = 4.0, kLeastTorque = 2.0, kShare = 0.01;  // [N], [Nm], of the limit
-constexpr double kMadeUpForce = 9.0;                                    // [N]
-constexpr int kLasts = 4;  // cycles: longer than an outlier
+constexpr double kOpposed = 1.5, kMost = 2.5, kMadeUp = 0.8, kAlike = 0.94;
+constexpr double kLeastForce = 0.8, kLeastPush = 5.0;  // of the push, that counts from there [N]
+constexpr double kMadeUpForce = 9.0;                   // [N]
+constexpr double kLeastTorque = 2.0, kShare = 0.01;    // [Nm], of the limit
+constexpr int kLasts = 4;                              // cycles: longer than an outlier
 
 // The share of a step that a low-pass of that bandwidth follows.
 double followed(double bandwidth, double dt) { return 1.0 - std::exp(-bandwidth * dt); }
@@ -35,7 +35,8 @@ SignMonitor::SignMonitor(const ImpedanceSettings& s, const JointVector& torque_l
       observer_({true, kQuick, 1000.0, {}}, static_cast<int>(torque_limit.size()), dt_,
                 wrench_age(s.timing), s.timing.torque_delay() + s.timing.velocity_age),
       v_(JointVector::Zero(torque_limit.size())),
-      least_(Channels::Constant(torque_limit.size() + 3, kLeastForce)),
+      least_(Channels::Constant(torque_limit.size() + 3,
+                                kLeastForce * std::max(kLeastPush, s.normal_force))),
       slow_(Channels::Constant(torque_limit.size() + 3, followed(kSlowWrench, dt_))) {
   least_.head(torque_limit.size()) = (kShare * torque_limit.array()).max(kLeastTorque);
   slow_.head(torque_limit.size()).setConstant(followed(kSlowTorque, dt_));
@@ -87,9 +88,10 @@ Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
     // What fades is the end of a push, and of the friction beside it.
     if (x[i] * x[i] < xx_[i] || xy_[i] * xy_[i] < kAlike * xx_[i] * yy_[i]) continue;
     const double rms = std::sqrt(sizes_[i]), slope = xy_[i] / xx_[i];
-    const bool joint = i<n, opposed = rms> least_[i] && slope < -(joint ? kTurned : kOpposed) &&
-                       slope > -(joint ? kMostTurned : kMost),
-               made_up = !joint && rms > kMadeUpForce && slope < -kMadeUp && slope > -kMost;
+    const bool joint = i < n;
+    const bool within = slope > -kMost;
+    const bool opposed = within && slope < -kOpposed && rms > least_[i];
+    const bool made_up = within && !joint && slope < -kMadeUp && rms > kMadeUpForce;
     if (!opposed && !made_up) continue;
     if (++lasts_ < kLasts) return {};
     if (joint)

@@ -7,11 +7,12 @@
 // A sign that is wrong makes y = −2 x; a wrench that is made up makes y = −x. Of changes, with ⟨⟩
 // their mean over some 20 ms, of an x that grows and ⟨x y⟩² > 0.94 ⟨x²⟩⟨y²⟩:
 //
-//   joint     −2.5 < ⟨x y⟩/⟨x²⟩ < −1.6 between 13 and 30 Hz, with √⟨x²⟩ above 2 Nm and 1 % of the
+//   joint     −2.5 < ⟨x y⟩/⟨x²⟩ < −1.5 between 13 and 30 Hz, with √⟨x²⟩ above 2 Nm and 1 % of the
 //             joint's limit. What pushes on the arm unseen changes y at once, and x, the law's
 //             answer, later: slower changes would take a shove on the elbow for a wrong sign.
-//   wrench    −3.5 < ⟨x y⟩/⟨x²⟩ < −1.5 between 2 and 30 Hz, with √⟨x²⟩ above 4 N. Dry friction of
-//             3 Nm that begins to hold the arm as the pen lands looks alike, but smaller.
+//   wrench    the same between 2 and 30 Hz, with √⟨x²⟩ above 0.8 of the push and 4 N. Dry
+//             friction of 3 Nm that begins to hold the arm as the pen lands looks alike, but
+//             smaller.
 //   made up   the same below −0.8, with 9 N
 #pragma once
 
