@@ -321,7 +321,7 @@ void World::integrate(const Vector6& F_push_W) noexcept {
       springs_ ? springs_->begin(applied_torque_, state_.q, state_.v) : applied_torque_;
   Vector6 F_W = pad_ ? Vector6(F_push_W + press_pad()) : F_push_W;
   const Eigen::Vector3d cut_side_W = cut_side_W_;
-  F_W.head<3>() += cut_side_W;
+  if (cutter_) F_W.head<3>() += cut_side_W;
   if (!F_W.isZero(0.0)) {
     mj_jac(m, d, mujoco_->J_push.data(), mujoco_->J_push.data() + 3 * n, state_.X_WE.p.data(),
            mujoco_->tip_body);
@@ -339,7 +339,7 @@ void World::integrate(const Vector6& F_push_W) noexcept {
   Eigen::Map<Eigen::VectorXd> applied(d->qfrc_applied, n);
   applied = generalised + mujoco_->joint_impulse / h_;
   if (pad_) contact_ = pad;
-  if (contact_.touching) contact_.f_W += cut_side_W;
+  if (cutter_ && contact_.touching) contact_.f_W += cut_side_W;
   for (const Mujoco::Touch& touch : std::span(mujoco_->touches).first(mujoco_->touched))
     applied += touch.J_W.transpose().lazyProduct(Eigen::Vector3d(touch.R_WC * touch.impulse / h_));
   mj_step2(m, d);
