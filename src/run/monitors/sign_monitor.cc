@@ -30,6 +30,8 @@ double wrench_age(const TimingSettings& t) {
 SignMonitor::SignMonitor(const ImpedanceSettings& s, const JointVector& torque_limit)
     : felt_(s.wrench == WrenchFeedback::measured),
       dt_(s.timing.dt),
+      quick_share_(followed(kQuick, dt_)),
+      mean_share_(followed(kMean, dt_)),
       late_(static_cast<std::size_t>(std::lround(
           (wrench_age(s.timing) + s.timing.torque_delay() + s.timing.velocity_age) / dt_))),
       observer_({true, kQuick, 1000.0, {}}, static_cast<int>(torque_limit.size()), dt_,
@@ -72,18 +74,17 @@ Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
     y.tail<3>() = along(r);
     size.tail<3>() = arm.X_WE.R.transpose() * F.head<3>();
   }
-  const double quick = followed(kQuick, dt_), mean = followed(kMean, dt_);
-  quick_ += quick * (x - quick_);
-  size_quick_ += quick * (size - size_quick_);
+  quick_ += quick_share_ * (x - quick_);
+  size_quick_ += quick_share_ * (size - size_quick_);
   x_slow_ += slow_ * (quick_ - x_slow_);
   y_slow_ += slow_ * (y - y_slow_);
   size_slow_ += slow_ * (size_quick_ - size_slow_);
   x = quick_ - x_slow_;
   y -= y_slow_;
-  xx_ += mean * (x * x - xx_);
-  xy_ += mean * (x * y - xy_);
-  yy_ += mean * (y * y - yy_);
-  sizes_ += mean * ((size_quick_ - size_slow_).square() - sizes_);
+  xx_ += mean_share_ * (x * x - xx_);
+  xy_ += mean_share_ * (x * y - xy_);
+  yy_ += mean_share_ * (y * y - yy_);
+  sizes_ += mean_share_ * ((size_quick_ - size_slow_).square() - sizes_);
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     // What fades is the end of a push, and of the friction beside it.
     if (x[i] * x[i] < xx_[i] || xy_[i] * xy_[i] < kAlike * xx_[i] * yy_[i]) continue;

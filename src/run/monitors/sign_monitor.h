@@ -50,7 +50,7 @@ class SignMonitor {
   static constexpr std::size_t kHistory = 32;  // steps
 
   bool felt_;
-  double dt_;
+  double dt_, quick_share_, mean_share_;  // of a step that the low-passes follow
   std::size_t late_, step_ = 0;
   MomentumObserver observer_;
   std::array<JointVector, kHistory> weightless_;  // τ − g of past steps [Nm]
