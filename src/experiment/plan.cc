@@ -412,16 +412,20 @@ bool Planning::leave_out_crawling() {
   if (!(asked > 0.0)) return false;
   double least = kCrawling * asked;
   const bool slow_on_average = plan_.path.mean_speed() < kInHand * asked;
-  if (!slow_on_average && !is_slow_anywhere(plan_.path, least)) return false;
-  const TipPath free = plan_from(unhindered(plan_.path_settings), surface(), plan_.strokes,
+  const std::vector<std::size_t> suspects =
+      slow_strokes(plan_.path, slow_on_average ? kInHand * asked : least);
+  if (suspects.empty()) return false;
+  std::vector<PlacedStroke> strokes;
+  for (const std::size_t s : suspects) strokes.push_back(plan_.strokes[s]);
+  const TipPath free = plan_from(unhindered(plan_.path_settings), surface(), strokes,
                                  s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold);
-  std::vector<CrawlingStretch> slow = crawling_stretches(plan_.path, free, least);
+  std::vector<CrawlingStretch> slow = crawling_stretches(plan_.path, free, suspects, least);
   while (slow.empty() && slow_on_average && least < kInHand * asked) {
     least = std::min(kRise * least, kInHand * asked);
-    slow = crawling_stretches(plan_.path, free, least);
+    slow = crawling_stretches(plan_.path, free, suspects, least);
   }
   if (slow.empty() && slow_on_average) {
-    slow = crawling_stretches(plan_.path, free, least, kBarelySlowed);
+    slow = crawling_stretches(plan_.path, free, suspects, least, kBarelySlowed);
     const auto slowest = std::ranges::min_element(slow, {}, &CrawlingStretch::speed);
     if (slowest != slow.end()) slow = {*slowest};
   }

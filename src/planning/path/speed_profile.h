@@ -16,9 +16,9 @@
 namespace impedraw {
 
 struct SpeedSpan {
-  double length;        // > 0 [m], or any unit of path
-  double speed;         // > 0 [unit/s]
-  double acceleration;  // > 0 [unit/s²]
+  double length = 0;        // > 0 [m], or any unit of path
+  double speed = 0;         // > 0 [unit/s]
+  double acceleration = 0;  // > 0 [unit/s²]
 };
 
 struct SpeedState {
@@ -27,29 +27,36 @@ struct SpeedState {
   double acceleration = 0;
 };
 
+// A part of the profile of step 1, of constant acceleration.
+struct SpeedPiece {
+  double start;  // [s]
+  double x, speed, acceleration;
+  double area;  // ∫ x dt up to here
+};
+struct SpeedTotals {
+  double end = 0;     // [s]
+  double length = 0;  // of all pieces
+  double area = 0;    // ∫ x dt over all of them
+};
+
 class SpeedProfile {
  public:
   SpeedProfile() = default;                                           // zero length and duration
   SpeedProfile(std::vector<SpeedSpan> spans, double smoothing_time);  // T ≥ 0 [s]
 
-  double duration() const { return pieces_.empty() ? 0 : end_ + smoothing_; }  // [s]
-  double length() const { return length_; }
+  double duration() const { return pieces_.empty() ? 0 : totals_.end + smoothing_; }  // [s]
+  double length() const { return totals_.length; }
   SpeedState at(double t) const noexcept;  // t is clamped to [0, duration]
 
  private:
-  struct Piece {
-    double start;  // [s]
-    double x, speed, acceleration;
-    double area;  // ∫ x dt up to here
-  };
-  struct Raw {
-    double area, x, speed, acceleration;
-  };
-  Raw raw(double t) const noexcept;
-  void add(double duration, double speed, double acceleration);
-
-  std::vector<Piece> pieces_;
-  double end_ = 0, length_ = 0, area_ = 0, smoothing_ = 0;
+  std::vector<SpeedPiece> pieces_;
+  SpeedTotals totals_;
+  double smoothing_ = 0;
 };
+
+// The profile of one span, of which nothing but the span is kept: a drawing of 100,000 strokes has
+// a million of them. The values are those of SpeedProfile({span}, smoothing_time).
+double rest_to_rest_duration(const SpeedSpan& span, double smoothing_time) noexcept;  // [s]
+SpeedState rest_to_rest(const SpeedSpan& span, double smoothing_time, double t) noexcept;
 
 }  // namespace impedraw

@@ -14,30 +14,28 @@ const char* name_of(Phase phase) noexcept {
   return kNames[static_cast<int>(phase)];
 }
 
-TipPath::TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines,
-                 const std::vector<int>& numbers, const Pose& X_WP,
+TipPath::TipPath(PathParts parts, const std::vector<int>& numbers, const Pose& X_WP,
                  std::vector<ForceProfile> forces)
-    : legs_(std::move(legs)),
-      splines_(std::move(splines)),
+    : parts_(std::move(parts)),
       strokes_(numbers.size()),
       forces_(std::move(forces)),
       X_WP_(X_WP) {
+  const std::vector<PathLeg>& legs = parts_.legs;
   for (std::size_t i = 0; i < numbers.size(); ++i) strokes_[i].number = numbers[i];
   std::vector<char> started(numbers.size(), 0);
-  double t = 0, approach = 0;
-  for (std::size_t i = 0; i < legs_.size(); ++i) {
-    const PathLeg& leg = legs_[i];
-    starts_.push_back(t);
+  double approach = 0;
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    const PathLeg& leg = legs[i];
+    const double t = leg.start;
     if (leg.pause) pauses_.push_back(t);
-    if (leg.phase == Phase::approach && (i == 0 || legs_[i - 1].phase != Phase::approach))
+    if (leg.phase == Phase::approach && (i == 0 || legs[i - 1].phase != Phase::approach))
       approach = t;
     if (leg.stroke >= 0) {
       StrokeTimes& s = strokes_[leg.stroke];
       if (!started[leg.stroke]) s.approach = approach, s.start = t, started[leg.stroke] = 1;
-      s.end = t + leg.duration;
-      if (leg.spline >= 0) s.length += splines_[leg.spline].arc_length();
+      s.end = i + 1 < legs.size() ? legs[i + 1].start : parts_.duration;
+      if (leg.spline >= 0) s.length += parts_.splines[leg.spline].line.arc_length();
     }
-    t += leg.duration;
   }
 }
 
@@ -55,13 +53,13 @@ double TipPath::pen_down_length() const noexcept {
 
 PathSample TipPath::at(double t) const noexcept {
   PathSample sample;
-  if (legs_.empty()) return sample;
+  if (parts_.legs.empty()) return sample;
   const bool done = t >= duration();
   t = std::clamp(t, 0.0, duration());
-  const auto after = std::upper_bound(starts_.begin() + 1, starts_.end(), t);
-  const auto index = static_cast<std::size_t>(after - starts_.begin()) - 1;
-  const PathLeg& leg = legs_[index];
-  const double since = t - starts_[index];
+  const auto after = std::ranges::upper_bound(parts_.legs.begin() + 1, parts_.legs.end(), t, {},
+                                              &PathLeg::start);
+  const PathLeg& leg = *std::prev(after);
+  const double since = t - leg.start;
 
   if (!done && leg.stroke >= 0) {
     sample.stroke = strokes_[leg.stroke].number;
@@ -71,16 +69,22 @@ PathSample TipPath::at(double t) const noexcept {
   TipReference& reference = sample.reference;
   reference.pen_down = leg.pen_down && !done;
 
-  const SpeedState along = leg.progress.at(since);
-  reference.p_WD = leg.p + along.x * leg.direction;
-  reference.v_WD = along.speed * leg.direction;
-  reference.a_WD = along.acceleration * leg.direction;
+  reference.p_WD = leg.p;
   reference.n_WD = leg.n;
+  if (leg.move >= 0) {
+    const auto& [direction, progress] = parts_.moves[leg.move];
+    const SpeedState along = rest_to_rest(progress, parts_.smoothing_time, since);
+    reference.p_WD += along.x * direction;
+    reference.v_WD = along.speed * direction;
+    reference.a_WD = along.acceleration * direction;
+  }
   ForceSample force;
   const bool presses = leg.pressed >= 0 && reference.pen_down;
   if (presses && leg.spline < 0) force = forces_[leg.pressed].at(leg.along);
   if (leg.spline >= 0) {
-    const SplinePoint s = splines_[leg.spline].at(along.x);
+    const auto& [line, progress] = parts_.splines[leg.spline];
+    const SpeedState along = progress.at(since);
+    const SplinePoint s = line.at(along.x);
     if (presses) {
       force = forces_[leg.pressed].at(s.along);
       reference.force_rate = force.slope * s.dalong * along.speed;
@@ -98,11 +102,12 @@ PathSample TipPath::at(double t) const noexcept {
   }
   reference.force = force.force;
   reference.depth = force.depth;
-  if (leg.turn.duration() > 0) {
-    const SpeedState turn = leg.turn.at(since);
-    reference.n_WD = std::cos(turn.x) * leg.n + std::sin(turn.x) * leg.turn_axis.cross(leg.n);
-    reference.w_WD = turn.speed * leg.turn_axis;
-    reference.alpha_WD = turn.acceleration * leg.turn_axis;
+  if (leg.turn >= 0) {
+    const auto& [axis, progress] = parts_.turns[leg.turn];
+    const SpeedState turn = rest_to_rest(progress, parts_.smoothing_time, since);
+    reference.n_WD = std::cos(turn.x) * leg.n + std::sin(turn.x) * axis.cross(leg.n);
+    reference.w_WD = turn.speed * axis;
+    reference.alpha_WD = turn.acceleration * axis;
   }
   reference.p_WD = X_WP_.p + X_WP_.R * reference.p_WD;
   for (Eigen::Vector3d* v :

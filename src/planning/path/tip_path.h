@@ -18,6 +18,7 @@
 // stroke, both are measured on the surface, in 3D.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -29,7 +30,7 @@
 
 namespace impedraw {
 
-enum class Phase { travel, approach, draw, lift, done };
+enum class Phase : std::uint8_t { travel, approach, draw, lift, done };
 const char* name_of(Phase phase) noexcept;
 
 struct PathSample {
@@ -49,38 +50,48 @@ struct StrokeTimes {
   double length = 0;    // pen-down length on the surface [m]
 };
 
-// One segment of the path in time, with a single law of motion.
+// One segment of the path in time, with a single law of motion: the pen moves by at most one of
+// `spline` and `move`, from p, while n turns. Large drawings have a million; most need few parts.
 struct PathLeg {
-  double duration = 0;  // [s]
-  Phase phase = Phase::travel;
-  int stroke = -1;   // in the order of the path
+  double start = 0;  // [s]
   double along = 0;  // without a spline: position on its stroke [m]
-  bool pen_down = false;
-  bool pause = false;  // begins with a pause
-  int pressed =
-      -1;  // ≥ 0: the pen, down, has the force of that stroke: of `along`, or the spline's
-  int spline = -1;  // ≥ 0: along that spline, moved by `p`; else along the line p + x · direction
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();          // [m]
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // unit, or zero
-  SpeedProfile progress;                                // of u or x [m]
-  bool fixed_normal = true;  // true: n, rotated by `turn`; false: the spline's normal
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();  // [m]
   Eigen::Vector3d n = Eigen::Vector3d::UnitZ();
-  Eigen::Vector3d turn_axis = Eigen::Vector3d::UnitX();  // unit, across n
-  SpeedProfile turn;                                     // [rad]
+  int stroke = -1;   // in the order of the path
+  int pressed = -1;  // ≥ 0: the pen has the force of that stroke: of `along`, or the spline's
+  int spline = -1, move = -1, turn = -1;  // ≥ 0: of PathParts; a spline is moved by p
+  Phase phase = Phase::travel;
+  bool pen_down = false;
+  bool pause = false;        // begins with a pause
+  bool fixed_normal = true;  // n, and its turn; false: the spline's normal
+};
+// From rest to rest along or about a unit vector [m, rad].
+struct PathMove {
+  Eigen::Vector3d direction;
+  SpeedSpan progress;
+};
+// A smooth line on the surface, and how the pen moves along it.
+struct TimedSpline {
+  PathSpline line;
+  SpeedProfile progress;  // of u [m]
+};
+struct PathParts {
+  std::vector<PathLeg> legs;
+  std::vector<PathMove> moves, turns;
+  std::vector<TimedSpline> splines;
+  double smoothing_time = 0;  // of moves and turns [s]
+  double duration = 0;        // of all legs [s]
 };
 
 class TipPath {
  public:
   TipPath() = default;
-  // `numbers`: the strokes' numbers, in path order. Legs and splines are in the drawing frame P;
-  // samples are in W. `forces`: of each stroke; may be empty.
-  TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines,
-          const std::vector<int>& numbers, const Pose& X_WP = {},
-          std::vector<ForceProfile> forces = {});
+  // `numbers`: the strokes' numbers, in path order. The parts are in the drawing frame P; samples
+  // are in W. `forces`: of each stroke; may be empty if no leg is pressed.
+  TipPath(PathParts parts, const std::vector<int>& numbers, const Pose& X_WP,
+          std::vector<ForceProfile> forces);
 
-  double duration() const noexcept {
-    return starts_.empty() ? 0 : starts_.back() + legs_.back().duration;
-  }  // [s]
+  double duration() const noexcept { return parts_.duration; }  // [s]
   // Allocates nothing. t is clamped to [0, duration].
   PathSample at(double t) const noexcept;
 
@@ -91,9 +102,8 @@ class TipPath {
   double pen_down_length() const noexcept;  // total over all strokes, on the surface [m]
 
  private:
-  std::vector<PathLeg> legs_;
-  std::vector<double> starts_, pauses_;  // of the legs [s]
-  std::vector<PathSpline> splines_;
+  PathParts parts_;
+  std::vector<double> pauses_;  // [s]
   std::vector<StrokeTimes> strokes_;
   std::vector<ForceProfile> forces_;
   Pose X_WP_;

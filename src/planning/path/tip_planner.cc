@@ -41,10 +41,14 @@ class Planner {
     if (s_.vertical_pen) n_ = Vector3d::UnitZ();
   }
 
-  TipPath plan(const std::vector<FittedStroke>& strokes) {
+  TipPath plan(std::vector<FittedStroke> strokes) {
     safe_z_ = s_.highest_z.value_or(highest(strokes)) + s_.safe_height;
-    constexpr std::size_t kLegs = 9;  // of a stroke, mostly
-    legs_.reserve(kLegs * strokes.size() + 1);
+    constexpr std::size_t kLegs = 9, kMoves = 7, kTurns = 3;  // of a stroke, at most, mostly
+    parts_.legs.reserve(kLegs * strokes.size() + 1);
+    parts_.moves.reserve(kMoves * strokes.size());
+    parts_.turns.reserve(kTurns * strokes.size());
+    parts_.splines.reserve(strokes.size());
+    parts_.smoothing_time = s_.smoothing_time;
     hold(s_.start_hold, Phase::travel, -1, false);
     for (std::size_t i = 0; i < strokes.size(); ++i) {
       const Vector3d n = normal(strokes[i].first);
@@ -62,11 +66,13 @@ class Planner {
     }
     std::vector<int> numbers;
     std::vector<ForceProfile> forces;
-    for (const FittedStroke& stroke : strokes) {
+    const bool any_force = std::ranges::any_of(
+        strokes, [](const FittedStroke& stroke) { return !stroke.force.empty(); });
+    for (FittedStroke& stroke : strokes) {
       numbers.push_back(stroke.number);
-      forces.push_back(stroke.force);
+      if (any_force) forces.push_back(std::move(stroke.force));
     }
-    return TipPath(std::move(legs_), std::move(splines_), numbers, s_.X_WP, std::move(forces));
+    return TipPath(std::move(parts_), numbers, s_.X_WP, std::move(forces));
   }
 
  private:
@@ -107,12 +113,9 @@ class Planner {
     return q;
   }
 
-  SpeedProfile profile(double length, double speed, double acceleration) const {
-    return SpeedProfile({{length, speed, acceleration}}, s_.smoothing_time);
-  }
-
   PathLeg& add(Phase phase, bool pen_down) {
-    PathLeg& leg = legs_.emplace_back();
+    PathLeg& leg = parts_.legs.emplace_back();
+    leg.start = parts_.duration;
     leg.phase = phase;
     leg.pen_down = pen_down;
     leg.pressed = pen_down ? pressed_ : -1;
@@ -130,15 +133,20 @@ class Planner {
     const double angle = std::atan2(across.norm(), n_.dot(n));
     if (way.norm() < kStill && angle < kStill) return;
     PathLeg& leg = add(phase, pen_down);
+    double duration = 0.0;  // [s]
     if (way.norm() >= kStill) {
-      leg.direction = way.normalized();
-      leg.progress = profile(way.norm(), speed, acceleration);
+      leg.move = static_cast<int>(parts_.moves.size());
+      parts_.moves.push_back({way.normalized(), {way.norm(), speed, acceleration}});
+      duration = rest_to_rest_duration(parts_.moves.back().progress, s_.smoothing_time);
     }
     if (angle >= kStill) {
-      leg.turn_axis = across.norm() > 1e-9 ? across.normalized() : n_.unitOrthogonal();
-      leg.turn = profile(angle, s_.turn_speed, s_.turn_acceleration);
+      leg.turn = static_cast<int>(parts_.turns.size());
+      parts_.turns.push_back({across.norm() > 1e-9 ? across.normalized() : n_.unitOrthogonal(),
+                              {angle, s_.turn_speed, s_.turn_acceleration}});
+      duration = std::max(
+          duration, rest_to_rest_duration(parts_.turns.back().progress, s_.smoothing_time));
     }
-    leg.duration = std::max(leg.progress.duration(), leg.turn.duration());
+    parts_.duration += duration;
     p_ = q;
     n_ = n;
   }
@@ -147,14 +155,14 @@ class Planner {
     if (!(duration > 0)) return;
     PathLeg& leg = add(phase, pen_down);
     leg.stroke = stroke;
-    leg.duration = duration;
+    parts_.duration += duration;
   }
 
   void wait(const FittedStroke& stroke) {
     const double least = stroke.pause ? kPause : 0.0;
     if (!(std::max(stroke.wait, least) > 0.0)) return;
     hold(std::max(stroke.wait, least), Phase::travel, -1, false);
-    legs_.back().pause = stroke.pause;
+    parts_.legs.back().pause = stroke.pause;
   }
 
   void travel_to(const Vector3d& above_hover, const Vector3d& hover, const Vector3d& n) {
@@ -170,18 +178,19 @@ class Planner {
     hold(s_.settle_time, Phase::approach, -1, true);
   }
 
-  void draw(const FittedStroke& stroke, int index) {
+  void draw(FittedStroke& stroke, int index) {
     if (stroke.parts.empty()) hold(s_.dot_time, Phase::draw, index, true);
-    for (const PathSpline& part : stroke.parts) {
+    for (PathSpline& part : stroke.parts) {
       PathLeg& leg = add(Phase::draw, true);
       leg.stroke = index;
       leg.p = -sunk();
-      leg.spline = static_cast<int>(splines_.size());
+      leg.spline = static_cast<int>(parts_.splines.size());
       leg.fixed_normal = s_.vertical_pen;
-      leg.progress = drawing_profile(part, stroke.speed > 0.0 ? stroke.speed : s_.draw_speed);
-      leg.duration = leg.progress.duration();
       p_ = part.at(part.length()).p - sunk();
-      splines_.push_back(part);
+      SpeedProfile progress =
+          drawing_profile(part, stroke.speed > 0.0 ? stroke.speed : s_.draw_speed);
+      parts_.duration += progress.duration();
+      parts_.splines.push_back({std::move(part), std::move(progress)});
     }
   }
 
@@ -238,8 +247,7 @@ class Planner {
   int pressed_ = -1;    // stroke whose force the pen has
   double along_ = 0.0;  // where the pen is on its stroke [m]
   Vector3d p_, n_;
-  std::vector<PathLeg> legs_;
-  std::vector<PathSpline> splines_;
+  PathParts parts_;
 };
 
 }  // namespace
@@ -304,7 +312,7 @@ TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHei
     fitted[k].wait = stroke.wait;
     fitted[k].pause = stroke.pause;
   });
-  return Planner(settings, limits).plan(fitted);
+  return Planner(settings, limits).plan(std::move(fitted));
 }
 
 }  // namespace impedraw

@@ -71,24 +71,28 @@ bool is_slow_at(const Trace& t, std::size_t i, double least_speed) {
 
 }  // namespace
 
-bool is_slow_anywhere(const TipPath& path, double least_speed) {
-  for (const StrokeTimes& stroke : path.strokes()) {
+std::vector<std::size_t> slow_strokes(const TipPath& path, double least_speed) {
+  std::vector<std::size_t> found;
+  for (std::size_t s = 0; s < path.strokes().size(); ++s) {
     bool slow = false;
-    for_slow_windows(trace(path, stroke), least_speed, [&slow](const Window&) { slow = true; });
-    if (slow) return true;
+    for_slow_windows(trace(path, path.strokes()[s]), least_speed,
+                     [&slow](const Window&) { slow = true; });
+    if (slow) found.push_back(s);
   }
-  return false;
+  return found;
 }
 
 std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPath& unhindered,
+                                                const std::vector<std::size_t>& strokes,
                                                 double least_speed, double slowed) {
   std::vector<CrawlingStretch> found;
-  for (std::size_t s = 0; s < path.strokes().size() && s < unhindered.strokes().size(); ++s) {
+  for (std::size_t k = 0; k < strokes.size(); ++k) {
+    const std::size_t s = strokes[k];
     const Trace slow = trace(path, path.strokes()[s]);
     std::vector<Window> merged;
     std::optional<Trace> free;
     for_slow_windows(slow, least_speed, [&](const Window& w) {
-      if (!free) free = trace(unhindered, unhindered.strokes()[s]);
+      if (!free) free = trace(unhindered, unhindered.strokes()[k]);
       const double fastest =
           time_at(*free, slow.along[w.end]) - time_at(*free, slow.along[w.begin]);
       if (slow.time[w.end] - slow.time[w.begin] < slowed * fastest) return;

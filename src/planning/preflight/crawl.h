@@ -7,6 +7,7 @@
 // the pen is slower than `least_speed` over kCrawlStep.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,12 +26,13 @@ struct CrawlingStretch {
   Eigen::Vector3d p_W{0, 0, 0};  // there [m]
 };
 
-// `unhindered`: a path of the same strokes in the same order, without the limits that count.
-// Ordered by stroke, then along it.
-std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPath& unhindered,
-                                                double least_speed, double slowed = 2.0);
+// Strokes of the path with a window slower than `least_speed`, in order: no other crawls.
+std::vector<std::size_t> slow_strokes(const TipPath& path, double least_speed);
 
-// Whether any window of the path is slower than `least_speed`: without it nothing crawls.
-bool is_slow_anywhere(const TipPath& path, double least_speed);
+// Of those `strokes` of the path. `unhindered`: a path of these strokes alone, in the same order,
+// without the limits that count. Ordered by stroke, then along it.
+std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPath& unhindered,
+                                                const std::vector<std::size_t>& strokes,
+                                                double least_speed, double slowed = 2.0);
 
 }  // namespace impedraw

@@ -34,6 +34,22 @@ TEST(SpeedProfile, ManySpansOfOneLimitAreOneSpan) {
   for (double t = 0; t < one.duration(); t += 0.0137) EXPECT_NEAR(one.at(t).x, many.at(t).x, 1e-10);
 }
 
+// The form that stores nothing has the same values, bit by bit.
+TEST(SpeedProfile, OneSpanNeedsNoStore) {
+  for (const SpeedSpan span : {SpeedSpan{1.0, 0.2, 1.0}, SpeedSpan{0.001, 0.2, 1.0}, SpeedSpan{}}) {
+    for (const double T : {0.0, 0.04}) {
+      const SpeedProfile stored({span}, T);
+      EXPECT_EQ(rest_to_rest_duration(span, T), stored.duration());
+      for (double t = -0.01; t < stored.duration() + 0.02; t += 0.0037) {
+        const SpeedState a = stored.at(t), b = rest_to_rest(span, T, t);
+        EXPECT_EQ(a.x, b.x);
+        EXPECT_EQ(a.speed, b.speed);
+        EXPECT_EQ(a.acceleration, b.acceleration);
+      }
+    }
+  }
+}
+
 TEST(SpeedProfile, RandomSpansKeepTheirLimitsAndTheirDerivatives) {
   for (unsigned seed = 0; seed < seeds(200, 5000); ++seed) {
     SCOPED_TRACE(seed);
