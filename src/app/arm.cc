@@ -1,4 +1,4 @@
-#include "impedraw/app/arm.h"
+#include "impedraw/app/commands.h"
 
 #include <algorithm>
 #include <cmath>

@@ -20,7 +20,6 @@
 #include "impedraw/app/command_options.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/settings/settings_text.h"
-#include "impedraw/terminal/called.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/say.h"
 

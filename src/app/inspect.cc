@@ -1,4 +1,3 @@
-#include "impedraw/app/inspect.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,6 @@
 #include "impedraw/experiment/plan.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,7 +11,6 @@
 #include "impedraw/experiment/line_forces.h"
 #include "impedraw/experiment/plan_notes.h"
 #include "impedraw/experiment/plan_summary.h"
-#include "impedraw/experiment/rough_ground.h"
 #include "impedraw/experiment/start_posture.h"
 #include "impedraw/planning/preflight/crawl.h"
 #include "impedraw/planning/stroke_ruler.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -10,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "impedraw/canvas/mesh_facing.h"
-#include "impedraw/canvas/outside_box.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/input_files.h"
 #include "impedraw/experiment/snapshot.h"

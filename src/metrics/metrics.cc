@@ -11,10 +11,9 @@
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/errors.h"
-#include "impedraw/ink/coverage.h"
-#include "impedraw/metrics/drawn_lengths.h"
+#include "impedraw/ink/segments.h"
+#include "impedraw/metrics/ending.h"
 #include "impedraw/metrics/pens.h"
-#include "impedraw/metrics/promise.h"
 #include "impedraw/metrics/statistics.h"
 
 namespace impedraw {

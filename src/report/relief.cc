@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "impedraw/canvas/half_edges.h"
+#include "impedraw/canvas/mesh_topology.h"
 
 namespace impedraw {
 

@@ -1,6 +1,5 @@
 #include "impedraw/run/control_loop.h"
 
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>

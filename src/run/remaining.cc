@@ -1,7 +1,5 @@
 #include "impedraw/run/remaining.h"
 
-#include <algorithm>
-#include <cstddef>
 #include <utility>
 
 #include "impedraw/experiment/plan.h"

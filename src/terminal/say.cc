@@ -1,8 +1,9 @@
-#include "impedraw/terminal/called.h"
+#include "impedraw/terminal/say.h"
 
 #include <string_view>
 
 namespace impedraw {
+
 namespace {
 
 constexpr std::string_view kInTree = "./impedraw";
