@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "impedraw/canvas/mesh_file.h"
 #include "impedraw/canvas/mesh_repair.h"
 #include "impedraw/canvas/mesh_topology.h"
 #include "impedraw/common/errors.h"

@@ -13,7 +13,6 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/drivers/tcp.h"
 #include "impedraw/terminal/clock.h"
 

@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 
 #include "impedraw/arm/urdf_text.h"
-#include "impedraw/common/errors.h"
 
 namespace impedraw {
 

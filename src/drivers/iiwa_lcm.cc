@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/drivers/tcp.h"
 
 namespace impedraw {
@@ -283,17 +282,9 @@ void IiwaLcm::stop() noexcept {
 }
 
 const char* name_of(Decoded result) {
-  switch (result) {
-    case Decoded::ok:
-      return "ok";
-    case Decoded::other_type:
-      return "of another type";
-    case Decoded::wrong_size:
-      return "of the wrong size";
-    case Decoded::wrong_joints:
-      return "of an arm that has not seven joints";
-  }
-  return "?";
+  static constexpr const char* kNames[] = {"ok", "of another type", "of the wrong size",
+                                           "of an arm that has not seven joints"};
+  return kNames[static_cast<std::size_t>(result)];
 }
 
 void encode_iiwa_command(std::int64_t utime, const JointVector& torque,

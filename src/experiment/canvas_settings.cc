@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/canvas/mesh_check.h"
-#include "impedraw/common/errors.h"
 #include "impedraw/common/roll_pitch_yaw.h"
 
 namespace impedraw {

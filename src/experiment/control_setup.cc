@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/control/contact_stability.h"
 #include "impedraw/control/damping.h"
 #include "impedraw/control/impedance.h"

@@ -7,11 +7,9 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
-#include "impedraw/arm/arm_model.h"
 #include "impedraw/common/per_joint.h"
 #include "impedraw/control/impedance.h"
 #include "impedraw/experiment/plan_notes.h"
-#include "impedraw/settings/setting_error.h"
 #include "impedraw/simulation/joint_springs.h"
 
 namespace impedraw {

@@ -15,8 +15,6 @@
 
 #include <nanoflann.hpp>
 
-#include "impedraw/perception/neighbours.h"
-
 namespace impedraw {
 
 namespace {

@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "impedraw/drawing/layers.h"
-
 namespace impedraw {
 
 namespace {

@@ -9,14 +9,10 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/angle.h"
-#include "impedraw/drawing/layers.h"
 #include "impedraw/experiment/height_sources.h"
-#include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/planning/preflight/posture_check.h"
-#include "impedraw/planning/stroke_part.h"
 #include "impedraw/planning/stroke_ruler.h"
-#include "impedraw/planning/wrap/distortion.h"
 
 namespace impedraw {
 

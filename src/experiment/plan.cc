@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
-#include "impedraw/common/errors.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/line_forces.h"
 #include "impedraw/experiment/plan_notes.h"
@@ -220,17 +219,8 @@ void Planning::require_pen_places() const {
 
 // True if it is so only where the canvas is before it has been watched.
 bool passes_with_canvas(Problem problem) {
-  switch (problem) {
-    case Problem::out_of_reach:
-    case Problem::joint_limit:
-    case Problem::near_singular:
-    case Problem::torque:
-    case Problem::arm_collision:
-    case Problem::joint_jump:
-      return true;
-    default:
-      return false;
-  }
+  return problem == Problem::joint_jump ||
+         (problem >= Problem::out_of_reach && problem <= Problem::arm_collision);
 }
 
 // A canvas that may move: what the arm can reach is known once it has been watched, and the run

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/common/in_parallel.h"
 #include "impedraw/planning/stroke_ruler.h"
 

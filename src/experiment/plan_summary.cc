@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "impedraw/experiment/page_of_plan.h"
-#include "impedraw/planning/preflight/joint_rates.h"
 #include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/terminal/progress.h"
 
@@ -103,14 +102,12 @@ nlohmann::ordered_json plan_json(const PlannedDrawing& e) {
   json["distortion"] = {{"projected", distortion_json(projected_distortion(e))}};
   if (e.plan.wrap) json["distortion"]["wrapped"] = distortion_json(wrapped_distortion(e));
   const PreflightMargins& m = e.plan.preflight.margins;
-  const auto number = [](double x) {
-    return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
-  };
-  json["margins"] = {{"joint_rad", number(m.joint)},
-                     {"torque_share", number(m.torque_share)},
-                     {"effective_mass_kg", number(m.effective_mass)},
-                     {"clearance_m", number(m.clearance)},
-                     {"slope_deg", number(m.slope_deg)}};
+  // What is not finite becomes null.
+  json["margins"] = {{"joint_rad", m.joint},
+                     {"torque_share", m.torque_share},
+                     {"effective_mass_kg", m.effective_mass},
+                     {"clearance_m", m.clearance},
+                     {"slope_deg", m.slope_deg}};
   json["not_drawable"] = nlohmann::ordered_json::array();
   for (const Finding& f : e.plan.preflight.findings)
     json["not_drawable"].push_back({{"stroke", f.part.stroke},

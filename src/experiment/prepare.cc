@@ -7,13 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/common/file_extension.h"
-#include "impedraw/drawing/shapes.h"
-#include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/line_forces.h"
 #include "impedraw/files/data_folder.h"
-#include "impedraw/settings/setting_error.h"
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {

@@ -10,7 +10,6 @@
 
 #include "impedraw/canvas/mesh_facing.h"
 #include "impedraw/experiment/height_sources.h"
-#include "impedraw/experiment/input_files.h"
 #include "impedraw/experiment/snapshot.h"
 #include "impedraw/experiment/start_posture.h"
 #include "impedraw/perception/axis_motion.h"

@@ -6,10 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/canvas/built_in.h"
-#include "impedraw/common/errors.h"
 #include "impedraw/common/minimum_jerk.h"
-#include "impedraw/settings/settings_text.h"
 
 namespace impedraw {
 

@@ -13,12 +13,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/common/rotation_vector.h"
 #include "impedraw/common/seeded_normals.h"
-#include "impedraw/control/normal_tracker.h"
-#include "impedraw/experiment/input_files.h"
-#include "impedraw/run/control_loop.h"
 #include "impedraw/run/simulated_arm.h"
 
 namespace impedraw {

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "impedraw/ink/ink_lines.h"
-#include "impedraw/log/log.h"
 #include "impedraw/metrics/metrics.h"
 
 namespace impedraw {

@@ -11,8 +11,6 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
-#include "impedraw/metrics/ending.h"
-
 namespace impedraw {
 
 namespace {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
-#include "impedraw/experiment/plan.h"
 #include "impedraw/run/canvas_follower.h"
 #include "impedraw/run/remaining.h"
 

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "impedraw/experiment/height_sources.h"
-#include "impedraw/run/canvas_follower.h"
 
 namespace impedraw {
 

@@ -11,7 +11,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/common/minimum_jerk.h"
 #include "impedraw/perception/rigid_fit.h"
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "impedraw/perception/recent_neighbours.h"
-
 namespace impedraw {
 
 namespace {

@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/run/remaining.h"
-
 namespace impedraw {
 
 namespace {

@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "impedraw/experiment/plan.h"
-
 namespace impedraw {
 
 bool overlaps(const StrokePart& part, const std::vector<StrokePart>& others) {

@@ -9,8 +9,6 @@
 
 #include "impedraw/experiment/page_context.h"
 #include "impedraw/files/durable_file.h"
-#include "impedraw/planning/stroke_part.h"
-#include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
 #include "impedraw/terminal/say.h"
 

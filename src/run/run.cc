@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/log/resume_log.h"
 #include "impedraw/run/drawings.h"
 #include "impedraw/run/driven_arm.h"

@@ -16,9 +16,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/files/durable_file.h"
-#include "impedraw/log/log.h"
 #include "impedraw/settings/yaml_write.h"
 
 namespace impedraw {

@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/experiment/snapshot.h"
 #include "impedraw/terminal/progress.h"
 

@@ -1,6 +1,7 @@
 // A person's word that the run may go on: Enter at the terminal, or SIGUSR1 from elsewhere.
 #pragma once
 
+#include <csignal>
 #include <string>
 
 namespace impedraw {
