@@ -24,7 +24,6 @@
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 // Some libraries' messages are longer.

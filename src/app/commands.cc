@@ -22,7 +22,6 @@
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -26,7 +26,6 @@
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -8,7 +8,6 @@
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
-
 namespace {
 
 // The text of an attribute of the first <impedraw …>, outside of comments.

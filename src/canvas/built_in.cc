@@ -16,7 +16,6 @@
 #include "impedraw/common/range_check.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kMostShapeTriangles = 2e7;  // more is probably a wrong unit

@@ -11,7 +11,6 @@
 #include "impedraw/common/input_file.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr std::size_t kMostTriangles = 20'000'000;

@@ -10,7 +10,6 @@
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
-
 namespace {
 
 // For each vertex, the first one at the same position.

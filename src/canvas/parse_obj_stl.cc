@@ -11,7 +11,6 @@
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;  // bytes

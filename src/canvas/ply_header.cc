@@ -12,7 +12,6 @@
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
-
 namespace {
 
 int ply_size(std::string_view type) {

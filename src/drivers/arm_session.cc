@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 namespace impedraw {
-
 namespace {
 
 constexpr std::array<const char*, 8> kStateNames = {"waiting", "quiet", "start", "run",

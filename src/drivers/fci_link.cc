@@ -17,7 +17,6 @@
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
-
 namespace {
 
 sockaddr_in fci_address(const std::string& url) {

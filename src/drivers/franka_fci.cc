@@ -15,7 +15,6 @@
 #include "impedraw/arm/urdf_text.h"
 
 namespace impedraw {
-
 namespace {
 
 // At these external torques [Nm] and forces [N], [Nm] the arm stops by a reflex. A pen that presses

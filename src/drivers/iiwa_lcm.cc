@@ -12,7 +12,6 @@
 #include "impedraw/drivers/tcp.h"
 
 namespace impedraw {
-
 namespace {
 
 // KUKA's data sheets: ranges are those of both arms, torques of the iiwa 14, the stronger one. A

@@ -16,7 +16,6 @@
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr std::uint32_t kHello = 0x287617fb, kAnswer = 0x287617fa, kVersion = 0x0100;

@@ -12,7 +12,6 @@
 #include "impedraw/drawing/simplify.h"
 
 namespace impedraw {
-
 namespace {
 
 Artwork given_artwork(const DrawingSettings& s, const SettingErrors& setting_errors) {

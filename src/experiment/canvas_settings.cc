@@ -10,7 +10,6 @@
 #include "impedraw/common/roll_pitch_yaw.h"
 
 namespace impedraw {
-
 namespace {
 
 // Straight into the shape's own group: canvas.wave.centre.

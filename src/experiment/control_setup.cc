@@ -13,7 +13,6 @@
 #include "impedraw/simulation/joint_springs.h"
 
 namespace impedraw {
-
 namespace {
 
 // Settings that the controller's checks look at, the likeliest culprit first.

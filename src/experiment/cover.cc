@@ -12,7 +12,6 @@
 #include "impedraw/planning/cover/even_forces.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kMostVertices = 90e3;

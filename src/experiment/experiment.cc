@@ -13,7 +13,6 @@
 #include "impedraw/simulation/joint_springs.h"
 
 namespace impedraw {
-
 namespace {
 
 // The rotor inertia that the arm's model may lack, or have too much of, by what the law bears.

@@ -16,7 +16,6 @@
 #include <nanoflann.hpp>
 
 namespace impedraw {
-
 namespace {
 
 // The cloud in P, to find the point nearest to a line along z.

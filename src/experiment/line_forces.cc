@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kSameWidth = 0.05;  // relative; a difference that nobody sees

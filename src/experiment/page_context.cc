@@ -11,7 +11,6 @@
 #include "impedraw/settings/settings_doc.h"
 
 namespace impedraw {
-
 namespace {
 
 namespace fs = std::filesystem;

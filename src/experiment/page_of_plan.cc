@@ -15,7 +15,6 @@
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();

@@ -18,7 +18,6 @@
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
-
 namespace {
 
 using Eigen::Vector2d;

@@ -15,7 +15,6 @@
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
-
 namespace {
 
 // Numbers the strokes in order. `source` gets the artwork's stroke number of each.

@@ -13,7 +13,6 @@
 #include "impedraw/terminal/progress.h"
 
 namespace impedraw {
-
 namespace {
 
 // Time of the path in each phase, and its length through the air, by one walk along it.

@@ -17,7 +17,6 @@
 #include "impedraw/settings/yaml_write.h"
 
 namespace impedraw {
-
 namespace {
 
 // one-sidedness: 2 mm within the rim of the standard bowl; the controller's 0.66 is 1 mm beyond it

@@ -8,7 +8,6 @@
 #include <utility>
 
 namespace impedraw {
-
 namespace {
 
 struct Samples {

@@ -9,7 +9,6 @@
 #include "impedraw/common/minimum_jerk.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kRadius = 0.30, kHalf = 0.18;  // of the bowl's sphere; of the sheets [m]

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 namespace impedraw {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -18,7 +18,6 @@
 #include "impedraw/run/simulated_arm.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kHeightError = 5e-4;                          // [m]

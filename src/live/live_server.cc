@@ -21,7 +21,6 @@
 #include "impedraw/live/local_http.h"
 
 namespace impedraw {
-
 namespace {
 
 namespace asio = boost::asio;

@@ -18,7 +18,6 @@
 #include "impedraw/settings/yaml_write.h"
 
 namespace impedraw {
-
 namespace {
 
 using std::chrono::steady_clock;

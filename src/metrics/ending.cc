@@ -13,7 +13,6 @@
 #include "impedraw/metrics/metrics.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kIgnored = 1e-3;  // a shorter gap, or rest [m]

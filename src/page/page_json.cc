@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 
 namespace impedraw {
-
 namespace {
 
 using Json = nlohmann::json;

@@ -5,7 +5,6 @@
 #include "impedraw/page/page_json.h"
 
 namespace impedraw {
-
 namespace {
 
 nlohmann::json findings_json(PackedColumns& columns, const std::vector<PageFinding>& findings) {

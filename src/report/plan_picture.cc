@@ -7,7 +7,6 @@
 #include "impedraw/report/sheet.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kWidth = 0.7;  // of a line [mm]

@@ -9,7 +9,6 @@
 #include "impedraw/canvas/mesh_topology.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();

@@ -18,7 +18,6 @@
 #include "impedraw/report/sheet.h"
 
 namespace impedraw {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -12,7 +12,6 @@
 #include "impedraw/files/durable_file.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr Colour kText{0.13, 0.15, 0.18}, kFaint{0.42, 0.45, 0.50}, kFrame{0.70, 0.72, 0.75};

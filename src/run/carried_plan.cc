@@ -10,7 +10,6 @@
 #include "impedraw/run/remaining.h"
 
 namespace impedraw {
-
 namespace {
 
 using Eigen::Vector3d;

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 namespace impedraw {
-
 namespace {
 
 const char* name_of(WrenchReading wrench) {

@@ -8,7 +8,6 @@
 #include "impedraw/arm/inverse_kinematics.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kLiftOffCanvas = 0.1;  // clear of a canvas that moves [m]

@@ -15,7 +15,6 @@
 #include "impedraw/perception/rigid_fit.h"
 
 namespace impedraw {
-
 namespace {
 
 // Holds an arm by joint stiffness plus modelled gravity about the posture in which it stands, or a

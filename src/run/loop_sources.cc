@@ -5,7 +5,6 @@
 #include <utility>
 
 namespace impedraw {
-
 namespace {
 
 // Finds the canvas in the cameras' frames; null where none keeps capturing.

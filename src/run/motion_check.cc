@@ -8,7 +8,6 @@
 #include <Eigen/Cholesky>
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kFastest = 3.0, kJump = 0.01;  // of v_max; [rad]

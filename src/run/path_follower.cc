@@ -6,7 +6,6 @@
 #include "impedraw/arm/least_energy_step.h"
 
 namespace impedraw {
-
 namespace {
 
 ClockSettings clock_settings(const Experiment& e) {

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kAbove = 0.03;     // of the spot, where the way down begins [m]

@@ -13,7 +13,6 @@
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 // The lines of what the plan left out, as strokes.json has them; none where it cannot be read.

@@ -15,7 +15,6 @@
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
-
 namespace {
 
 // A resumed drawing begins with what the earlier run left, from its last posture. Plans before the

@@ -13,7 +13,6 @@
 #include "impedraw/terminal/progress.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kMostBrush = 1.0;  // a shaft that touches for longer does not get away [s]

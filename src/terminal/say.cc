@@ -3,7 +3,6 @@
 #include <string_view>
 
 namespace impedraw {
-
 namespace {
 
 constexpr std::string_view kInTree = "./impedraw";
