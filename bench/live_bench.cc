@@ -12,7 +12,7 @@
 
 #include "impedraw/live/live_server.h"
 #include "impedraw/live/live_view.h"
-#include "impedraw/run/simulated_run.h"
+#include "impedraw/run/simulated_arm.h"
 #include "live/socket_client.h"
 
 namespace impedraw {

@@ -13,7 +13,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/place_auto.h"
 #include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/prepare.h"

@@ -1,4 +1,4 @@
-// node film.mjs JSON: renders a page as a film or a picture. src/app/film.cc has read the command line.
+// node film.mjs JSON: renders a page as a film or a picture. src/report/report.cc has read the command line.
 //
 // page ─ headless Chromium, frame by frame ─ PNG ─ pipe ─> ffmpeg ─> OUT
 // Frames never touch the disk; OUT appears when it is whole.

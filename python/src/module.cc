@@ -8,8 +8,8 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/log/log.h"
-#include "impedraw/terminal/called.h"
 #include "impedraw/terminal/interrupt.h"
+#include "impedraw/terminal/say.h"
 
 namespace nb = nanobind;
 

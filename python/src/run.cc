@@ -11,14 +11,13 @@
 #include <nlohmann/json.hpp>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/run_folder.h"
-#include "impedraw/run/simulated_run.h"
+#include "impedraw/run/simulated_arm.h"
 #include "impedraw/settings/settings_doc.h"
 #include "impedraw/terminal/clock.h"
 #include "module.h"

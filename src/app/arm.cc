@@ -1,4 +1,4 @@
-#include "impedraw/app/arm.h"
+#include "impedraw/app/commands.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,6 @@
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 struct NamedArm {

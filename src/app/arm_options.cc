@@ -3,7 +3,6 @@
 #include "impedraw/app/command_options.h"
 
 namespace impedraw {
-
 namespace {
 
 void add_check_and_hold(CLI::App* arm, Call& call) {

@@ -20,12 +20,10 @@
 #include "impedraw/app/command_options.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/settings/settings_text.h"
-#include "impedraw/terminal/called.h"
 #include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 // Some libraries' messages are longer.

@@ -4,8 +4,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "impedraw/settings/settings_text.h"
-
 namespace impedraw {
 
 void add_set(CLI::App* command, DrawOptions* options, const char* help) {

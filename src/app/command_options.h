@@ -5,10 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "impedraw/app/arm.h"
 #include "impedraw/app/commands.h"
-#include "impedraw/app/inspect.h"
-#include "impedraw/report/film.h"
+#include "impedraw/report/report.h"
 
 namespace CLI {
 class App;

@@ -6,33 +6,22 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/app/arm.h"
-#include "impedraw/common/errors.h"
-#include "impedraw/experiment/artwork.h"
-#include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/page_context.h"
 #include "impedraw/experiment/place_auto.h"
-#include "impedraw/experiment/place_surface.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/report/report.h"
-#include "impedraw/run/calibrate_tool.h"
-#include "impedraw/run/folder_lock.h"
+#include "impedraw/run/identify_joints.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
-#include "impedraw/run/run_inputs.h"
 #include "impedraw/run/simulated_arm.h"
-#include "impedraw/run/simulated_run.h"
 #include "impedraw/settings/settings_doc.h"
-#include "impedraw/settings/yaml_read.h"
 #include "impedraw/settings/yaml_write.h"
 #include "impedraw/terminal/clock.h"
-#include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/progress.h"
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 namespace fs = std::filesystem;

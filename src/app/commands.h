@@ -1,14 +1,20 @@
-// The program's commands. Each returns the exit code. Those of an arm that is not simulated here
-// are in arm.h.
+// The program's commands. Each returns the exit code.
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
+#include "impedraw/arm/arm_notes.h"
+#include "impedraw/canvas/mesh_file.h"
 #include "impedraw/common/exit_code.h"
-#include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/live/live_view.h"
+#include "impedraw/run/draw_into.h"
 
 namespace impedraw {
 
@@ -106,5 +112,59 @@ struct PlaceOptions {
 
 // options.scenario may name a mesh in place of a scenario. Returns at ctrl-C or `end`.
 int place_by_hand(DrawOptions options, const PlaceOptions& place);
+
+// Describes the contents of a file without drawing it.
+//
+// Artwork (.svg, .txt, .strokes, .csv): strokes, length_mm, bbox_mm [x0, y0, x1, y1] of their
+// centrelines on the page, y down (null without strokes), layers [{name, strokes}] in the
+// document's order, warnings. One-point strokes are dots and have no length.
+//
+// Cloud (.pcd, .xyz, .ply without faces): points, invalid (those that are skipped), bbox_m,
+// normals, colours, viewpoints_m.
+
+// Throws InputError like read_artwork(). An empty drawing is a warning, not an error.
+nlohmann::ordered_json describe_artwork(const std::filesystem::path& file);
+
+// Prints what an artwork, a cloud or, by its name's ending, a mesh holds (app/commands.h), as
+// JSON or as lines to be read. Returns the exit code.
+int inspect(const std::filesystem::path& file, bool json, const MeshReading& reading = {});
+
+// Describes the contents of a mesh file.
+
+// triangles: as in the file, polygons cut. Of the merged and repaired surface
+// (canvas/mesh_check.h), in the file's own pose with z up: bbox_m [x0, y0, z0, x1, y1, z1],
+// area_m2, closed, components, slope_max_deg (largest angle of a facet's normal to +z, 0 to 180),
+// warnings [line], faults [{kind, count, first, repaired, message}]. InputError as load_mesh.
+nlohmann::ordered_json describe_mesh(const std::filesystem::path& file, const MeshReading& reading);
+
+// Arms that are not simulated here: making a driver, and the commands `arm check` and `arm hold`.
+
+// Makes the scenario's driver; empty for the simulated arm. Refers to the experiment.
+DriverMaker driver_maker(const Experiment& experiment);
+
+// Throws InputError where the loop would be paused (redrawing, live view, pace) and the arm does
+// not wait.
+void require_steady_loop(const Scenario& scenario, const LiveOptions& live);
+
+// Says where contact and ink of the run come from, if not from the simulator.
+std::string contact_line(const Experiment& experiment);
+
+// Exit code 0 if the arm could be used, kMissed if its statuses come too irregularly.
+int check_arm(const DrawOptions& options, double seconds);
+int hold_arm(const DrawOptions& options, double seconds);
+
+struct RestingArm {
+  JointVector q;  // mean [rad]
+  std::unique_ptr<ArmModel> model;
+};
+
+// The posture in which an arm that is not simulated here rests for `seconds`; sends nothing. Throws
+// std::runtime_error if a joint is faster than `at_rest` [rad/s].
+RestingArm posture_at_rest(const DrawOptions& options, double seconds, double at_rest);
+
+// Writes the description of an arm with a pen on its flange, once it is known to be an arm: of one
+// of models/arms, or of a vendor's file (plain_urdf.h), on the link `flange` if it is given.
+int make_urdf(const std::string& arm, const std::string& flange, const PenOnFlange& pen,
+              const std::filesystem::path& out);
 
 }  // namespace impedraw

@@ -14,7 +14,6 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "impedraw/app/arm.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/experiment/experiment.h"
@@ -23,12 +22,10 @@
 #include "impedraw/run/identify_joints.h"
 #include "impedraw/run/real_time.h"
 #include "impedraw/run/simulated_arm.h"
-#include "impedraw/run/watch_marks.h"
 #include "impedraw/sensing/touches.h"
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 namespace fs = std::filesystem;

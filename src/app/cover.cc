@@ -20,14 +20,13 @@
 #include "impedraw/report/cover_picture.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
-#include "impedraw/run/simulated_run.h"
+#include "impedraw/run/simulated_arm.h"
 #include "impedraw/run/treatment.h"
 #include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/progress.h"
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -1,4 +1,3 @@
-#include "impedraw/app/inspect.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +26,6 @@
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 // Lengths are promised to 0.1 %: a chord that turns by a takes a²/24 off its arc.

@@ -14,7 +14,6 @@
 #include "impedraw/common/range_check.h"
 
 namespace impedraw {
-
 namespace {
 
 // Pinocchio's library is precompiled for this argument type. Any other type instantiates the

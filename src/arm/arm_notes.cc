@@ -2,14 +2,12 @@
 
 #include <charconv>
 #include <optional>
-#include <string_view>
 
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
-
 namespace {
 
 // The text of an attribute of the first <impedraw …>, outside of comments.

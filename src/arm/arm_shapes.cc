@@ -10,7 +10,6 @@
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
-
 namespace {
 
 Pose pose_of(const urdf::Pose& pose) {

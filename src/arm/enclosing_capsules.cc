@@ -17,7 +17,6 @@
 #include "impedraw/common/input_file.h"
 
 namespace impedraw {
-
 namespace {
 
 using Eigen::Matrix3Xd;

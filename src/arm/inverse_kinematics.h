@@ -1,8 +1,6 @@
 // Inverse kinematics for a pen with given tip position and axis: five degrees of freedom.
 #pragma once
 
-#include <string>
-
 #include "impedraw/arm/arm_model.h"
 
 namespace impedraw {

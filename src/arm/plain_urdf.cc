@@ -13,7 +13,6 @@
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
-
 namespace {
 
 using Eigen::Isometry3d;

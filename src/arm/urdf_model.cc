@@ -18,7 +18,6 @@
 #include "impedraw/control/arm_terms.h"
 
 namespace impedraw {
-
 namespace {
 
 pinocchio::SE3 placement(const urdf::Pose& pose) {

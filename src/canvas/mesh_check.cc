@@ -10,9 +10,6 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "impedraw/canvas/disjoint_sets.h"
-#include "impedraw/canvas/half_edges.h"
-#include "impedraw/canvas/mesh_file.h"
 #include "impedraw/canvas/mesh_repair.h"
 #include "impedraw/canvas/mesh_topology.h"
 #include "impedraw/common/errors.h"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "impedraw/canvas/triangle_mesh.h"
 
@@ -12,5 +13,10 @@ namespace impedraw {
 // grid across z, more than three quarters face away, by the areas that are seen. A closed part has
 // an inside, and stays. Returns the number of triangles turned.
 int turn_parts_seen_from_behind(TriangleMesh* mesh, const Eigen::Vector3d& z);
+
+// The parts of a mesh that lie outside of a box. Triangles across its faces are cut there.
+
+// Each triangle with its own vertices; fronts stay fronts.
+TriangleMesh outside_box(const TriangleMesh& mesh, const Eigen::AlignedBox3d& box);
 
 }  // namespace impedraw

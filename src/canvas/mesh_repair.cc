@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 
 namespace impedraw {
-
 namespace {
 
 struct Patch {  // triangles joined across edges that exactly two share

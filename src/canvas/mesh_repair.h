@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "impedraw/canvas/half_edges.h"
+#include "impedraw/canvas/mesh_topology.h"
 #include "impedraw/canvas/triangle_mesh.h"
 
 namespace impedraw {

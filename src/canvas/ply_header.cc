@@ -1,10 +1,14 @@
 #include "impedraw/canvas/ply_header.h"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "impedraw/canvas/mesh_tokens.h"
+#include "impedraw/canvas/polygon_mesh.h"
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
@@ -30,6 +34,133 @@ bool is_ply_signed(std::string_view type) { return is_ply_whole(type) && !type.s
   throw InputError(fmt::format("{}:{}: '{}' is not valid in the header of a PLY", name, number,
                                line.substr(0, 60)));
 }
+
+bool names_corners(const PlyElement& element, const PlyProperty& property) {
+  return (element.name == "face" || element.name == "tristrips") && property.count_size > 0 &&
+         (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
+template <class T>
+double value_as(std::string_view bytes, bool big_endian) {
+  char raw[sizeof(T)];
+  for (std::size_t i = 0; i < sizeof(T); ++i) raw[i] = bytes[big_endian ? sizeof(T) - 1 - i : i];
+  T value;
+  std::memcpy(&value, raw, sizeof(T));
+  return static_cast<double>(value);
+}
+
+// Returns an invalid index if the value is beyond an int.
+int as_index(double value) {
+  constexpr int most = std::numeric_limits<int>::max();
+  return value >= 0 && value < most ? static_cast<int>(value) : value < 0 ? -1 : most;
+}
+
+struct Body {
+  std::string_view text;
+  PlyHeader::Format format;
+  const std::string& name;
+  PolygonMesh mesh = {};
+
+  [[noreturn]] void cut_short(const PlyElement& element, std::size_t i) const {
+    throw InputError(fmt::format("{}: truncated in {} {}, its header declares {}", name,
+                                 element.name, i, element.count));
+  }
+
+  // Removes one number from the front.
+  double number(const PlyElement& element, std::size_t i, int size, bool whole, bool has_sign) {
+    if (format == PlyHeader::Format::text) {
+      const std::string_view word = next_word(&text);
+      if (word.empty()) cut_short(element, i);
+      double value;
+      if (!finite_number(word, &value) || (whole && value != std::floor(value))) {
+        throw InputError(fmt::format("{}: {} {} holds '{}', must be a {} number", name,
+                                     element.name, i, word.substr(0, 60),
+                                     whole ? "whole" : "finite"));
+      }
+      return value;
+    }
+    if (text.size() < static_cast<std::size_t>(size)) cut_short(element, i);
+    const bool big = format == PlyHeader::Format::big_endian;
+    const std::string_view bytes = text.substr(0, size);
+    text.remove_prefix(size);
+    if (size == 8) return value_as<double>(bytes, big);
+    if (!whole) return value_as<float>(bytes, big);
+    if (!has_sign) return unsigned_bytes(bytes, size, big);
+    return size == 4   ? value_as<std::int32_t>(bytes, big)
+           : size == 2 ? value_as<std::int16_t>(bytes, big)
+                       : value_as<std::int8_t>(bytes, big);
+  }
+
+  std::size_t list_count(const PlyElement& element, std::size_t i, const PlyProperty& property) {
+    const double count = number(element, i, property.count_size, true, property.count_signed);
+    if (count < 0) {
+      throw InputError(
+          fmt::format("{}: {} {} has a list of {} values", name, element.name, i, count));
+    }
+    if (count > static_cast<double>(text.size())) cut_short(element, i);
+    return static_cast<std::size_t>(count);
+  }
+
+  // Cuts the strip of vertices from `begin` on into triangles; −1 begins another strip.
+  void cut_strip(std::size_t begin) {
+    const std::vector<int> strip(mesh.corners.begin() + static_cast<long>(begin),
+                                 mesh.corners.end());
+    mesh.corners.resize(begin);
+    for (std::size_t i = 0, first = 0; i < strip.size(); ++i) {
+      if (strip[i] < 0) first = i + 1;
+      if (i < first + 2) continue;
+      int a = strip[i - 2], b = strip[i - 1];
+      if (a == b || b == strip[i] || a == strip[i]) continue;  // turns or bridges the strip
+      if ((i - first) % 2 == 1) std::swap(a, b);
+      mesh.corners.insert(mesh.corners.end(), {a, b, strip[i]});
+      mesh.ends.push_back(mesh.corners.size());
+    }
+  }
+
+  void take(const PlyElement& element) {
+    std::array<std::size_t, 3> xyz;  // among the properties of a vertex
+    xyz.fill(element.properties.size());
+    bool has_corners = false;
+    for (std::size_t k = 0; k < element.properties.size(); ++k) {
+      const PlyProperty& property = element.properties[k];
+      has_corners = has_corners || names_corners(element, property);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (property.count_size == 0 && property.name == std::string_view("xyz").substr(axis, 1))
+          xyz[axis] = k;
+      }
+    }
+    const bool vertex = element.name == "vertex", strip = element.name == "tristrips";
+    for (std::size_t i = 0; i < element.count; ++i) {
+      Eigen::Vector3d p = Eigen::Vector3d::Zero();
+      for (std::size_t k = 0; k < element.properties.size(); ++k) {
+        const PlyProperty& property = element.properties[k];
+        const bool corners = names_corners(element, property);
+        const std::size_t count =
+            property.count_size > 0 ? list_count(element, i, property) : std::size_t{1};
+        if (corners && !strip && count < 3) {
+          throw InputError(
+              fmt::format("{}: face {} has {} corners, must have at least 3", name, i, count));
+        }
+        const std::size_t begin = mesh.corners.size();
+        for (std::size_t j = 0; j < count; ++j) {
+          const double value = number(element, i, property.size, property.whole, property.has_sign);
+          if (corners) mesh.corners.push_back(as_index(value));
+          if (!vertex) continue;
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (xyz[axis] == k) p[static_cast<Eigen::Index>(axis)] = value;
+          }
+        }
+        if (corners && strip) cut_strip(begin);
+        if (corners && !strip) mesh.ends.push_back(mesh.corners.size());
+      }
+      if (vertex) mesh.vertices.push_back(p);
+    }
+    if (vertex && std::max({xyz[0], xyz[1], xyz[2]}) == element.properties.size())
+      throw InputError(fmt::format("{}: its vertices have no x, y and z", name));
+    if ((strip || element.name == "face") && element.count > 0 && !has_corners)
+      throw InputError(fmt::format("{}: its faces have no list vertex_indices", name));
+  }
+};
 
 }  // namespace
 
@@ -87,6 +218,18 @@ PlyHeader read_ply_header(std::string_view* text, const std::string& name) {
       header.elements.back().properties.push_back(property);
     }
   }
+}
+
+PolygonMesh parse_ply(std::string_view text, const std::string& name) {
+  const PlyHeader header = read_ply_header(&text, name);
+  Body body{text, header.format, name};
+  for (const auto& element : header.elements) {  // in any order
+    if (element.properties.empty() && element.count > 0)
+      throw InputError(
+          fmt::format("{}: element {} of its header has no property", name, element.name));
+    body.take(element);
+  }
+  return std::move(body.mesh);
 }
 
 }  // namespace impedraw

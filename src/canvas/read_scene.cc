@@ -16,7 +16,6 @@
 #include <assimp/LogStream.hpp>
 #include <nlohmann/json.hpp>
 
-#include "impedraw/canvas/mesh_tokens.h"
 #include "impedraw/canvas/polygon_mesh.h"
 #include "impedraw/common/child_process.h"
 #include "impedraw/common/errors.h"

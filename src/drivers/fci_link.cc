@@ -4,18 +4,19 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/drivers/tcp.h"
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
-
 namespace {
 
 sockaddr_in fci_address(const std::string& url) {
@@ -27,6 +28,74 @@ sockaddr_in fci_address(const std::string& url) {
       "fci://172.16.0.2",
       url));
 }
+
+static_assert(std::endian::native == std::endian::little, "the FCI's numbers are little-endian");
+
+template <typename T>
+void put(std::vector<std::uint8_t>* to, T value) {
+  const auto bytes = std::bit_cast<std::array<std::uint8_t, sizeof(T)>>(value);
+  to->insert(to->end(), bytes.begin(), bytes.end());
+}
+
+template <typename T>
+T number_at(const std::uint8_t* bytes, std::size_t at) noexcept {
+  T value;
+  std::memcpy(&value, bytes + at, sizeof value);
+  return value;
+}
+
+// Where the state's fields begin: message_id, 126 floats of poses and loads, then the joints'.
+constexpr std::size_t kPositionAt = 596, kVelocityAt = 652, kExternalAt = 840, kMotionMode = 1288,
+                      kControllerMode = kMotionMode + 1, kErrorsAt = kControllerMode + 1,
+                      kReflexReasonAt = kErrorsAt + 41, kRobotMode = kReflexReasonAt + 41,
+                      kSuccessRate = kRobotMode + 1;
+static_assert(kSuccessRate + 4 == kFciStateSize);
+constexpr std::size_t kTorqueAt = 8 + 8 * (7 + 7 + 16 + 6 + 2) + 2;
+static_assert(kTorqueAt + 8 * kFciJoints + 1 == kFciCommandSize);
+
+// In the order of the wire.
+constexpr std::array<const char*, 41> kErrorNames = {
+    "joint_position_limits_violation",
+    "cartesian_position_limits_violation",
+    "self_collision_avoidance_violation",
+    "joint_velocity_violation",
+    "cartesian_velocity_violation",
+    "force_control_safety_violation",
+    "joint_reflex",
+    "cartesian_reflex",
+    "max_goal_pose_deviation_violation",
+    "max_path_pose_deviation_violation",
+    "cartesian_velocity_profile_safety_violation",
+    "joint_position_motion_generator_start_pose_invalid",
+    "joint_motion_generator_position_limits_violation",
+    "joint_motion_generator_velocity_limits_violation",
+    "joint_motion_generator_velocity_discontinuity",
+    "joint_motion_generator_acceleration_discontinuity",
+    "cartesian_position_motion_generator_start_pose_invalid",
+    "cartesian_motion_generator_elbow_limit_violation",
+    "cartesian_motion_generator_velocity_limits_violation",
+    "cartesian_motion_generator_velocity_discontinuity",
+    "cartesian_motion_generator_acceleration_discontinuity",
+    "cartesian_motion_generator_elbow_sign_inconsistent",
+    "cartesian_motion_generator_start_elbow_invalid",
+    "force_controller_desired_force_tolerance_violation",
+    "start_elbow_sign_inconsistent",
+    "communication_constraints_violation",
+    "power_limit_violation",
+    "cartesian_motion_generator_joint_position_limits_violation",
+    "cartesian_motion_generator_joint_velocity_limits_violation",
+    "cartesian_motion_generator_joint_velocity_discontinuity",
+    "cartesian_motion_generator_joint_acceleration_discontinuity",
+    "cartesian_position_motion_generator_invalid_frame",
+    "controller_torque_discontinuity",
+    "joint_p2p_insufficient_torque_for_planning",
+    "tau_j_range_violation",
+    "instability_detected",
+    "joint_move_in_wrong_direction",
+    "cartesian_spline_motion_generator_violation",
+    "joint_via_motion_generator_planning_joint_limit_violation",
+    "base_acceleration_initialization_timeout",
+    "base_acceleration_invalid_reading"};
 
 }  // namespace
 
@@ -167,6 +236,113 @@ bool FciLink::send(std::uint64_t message_id, const JointVector& torque, bool fin
   encode_fci_torque(message_id, torque, finished, bytes);
   return ::send(udp_, bytes.data(), bytes.size(), MSG_NOSIGNAL) ==
          static_cast<ssize_t>(bytes.size());
+}
+
+std::vector<std::uint8_t> encode_fci_request(FciCommand command, std::uint32_t id,
+                                             std::span<const std::uint8_t> payload) {
+  std::vector<std::uint8_t> bytes;
+  put(&bytes, static_cast<std::uint32_t>(command));
+  put(&bytes, id);
+  put(&bytes, static_cast<std::uint32_t>(kFciHeaderSize + payload.size()));
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  return bytes;
+}
+
+FciHeader decode_fci_header(std::span<const std::uint8_t, kFciHeaderSize> bytes) noexcept {
+  return {number_at<std::uint32_t>(bytes.data(), 0), number_at<std::uint32_t>(bytes.data(), 4),
+          number_at<std::uint32_t>(bytes.data(), 8)};
+}
+
+std::vector<std::uint8_t> fci_connect(std::uint16_t udp_port) {
+  std::vector<std::uint8_t> bytes;
+  put(&bytes, kFciVersion);
+  put(&bytes, udp_port);
+  return bytes;
+}
+
+std::vector<std::uint8_t> fci_torque_move() {
+  constexpr std::uint32_t kExternalController = 2, kNoGenerator = 4;
+  std::vector<std::uint8_t> bytes;
+  put(&bytes, kExternalController);
+  put(&bytes, kNoGenerator);
+  // Largest deviations from path and goal, of a motion generator: as libfranka sends them.
+  for (const double most : {0.01, 3.12, 6.28, 0.01, 3.12, 6.28}) put(&bytes, most);
+  return bytes;
+}
+
+std::vector<std::uint8_t> fci_collision_behavior(const std::array<double, 7>& torque,
+                                                 const std::array<double, 6>& force) {
+  std::vector<std::uint8_t> bytes;
+  // Lower and upper thresholds, while accelerating and at constant speed.
+  for (int i = 0; i < 4; ++i)
+    for (const double x : torque) put(&bytes, x);
+  for (int i = 0; i < 4; ++i)
+    for (const double x : force) put(&bytes, x);
+  return bytes;
+}
+
+std::string fci_move_status(std::uint8_t status) {
+  constexpr std::array<const char*, 12> names = {
+      "success",
+      "motion started",
+      "preempted",
+      "preempted by a safety function",
+      "rejected: a safety function is active",
+      "rejected: not possible in this state (a reflex to recover from, brakes, guiding)",
+      "rejected: the arm stands at a singular pose",
+      "rejected: invalid argument",
+      "aborted by a reflex",
+      "aborted by an emergency stop",
+      "aborted by an input error",
+      "aborted"};
+  return status < names.size() ? names[status] : fmt::format("status {}", status);
+}
+
+const char* name_of(FciMode mode) {
+  constexpr std::array<const char*, 7> names = {"other",  "idle",         "move",      "guiding",
+                                                "reflex", "user stopped", "recovering"};
+  const auto i = static_cast<std::size_t>(mode);
+  return i < names.size() ? names[i] : "unknown";
+}
+
+bool decode_fci_state(std::span<const std::uint8_t> bytes, FciState* state) noexcept {
+  if (bytes.size() != kFciStateSize) return false;
+  const std::uint8_t* b = bytes.data();
+  state->message_id = number_at<std::uint64_t>(b, 0);
+  constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max() / 1000;
+  state->arm.utime = static_cast<std::int64_t>(1000 * std::min(state->message_id, kMost));
+  for (std::size_t j = 0; j < kFciJoints; ++j) {
+    const auto i = static_cast<Eigen::Index>(j);
+    state->arm.q[i] = number_at<float>(b, kPositionAt + 4 * j);
+    state->arm.v[i] = number_at<float>(b, kVelocityAt + 4 * j);
+    state->arm.external[i] = number_at<float>(b, kExternalAt + 4 * j);
+  }
+  state->external_controller = b[kControllerMode] == 2;
+  std::copy_n(b + kErrorsAt, state->errors.size(), state->errors.begin());
+  std::copy_n(b + kReflexReasonAt, state->reflex_reason.size(), state->reflex_reason.begin());
+  state->mode = static_cast<FciMode>(b[kRobotMode]);
+  state->success_rate = number_at<float>(b, kSuccessRate);
+  return true;
+}
+
+void encode_fci_torque(std::uint64_t message_id, const JointVector& torque, bool finished,
+                       std::span<std::uint8_t, kFciCommandSize> bytes) noexcept {
+  std::fill(bytes.begin(), bytes.end(), std::uint8_t{0});
+  std::memcpy(bytes.data(), &message_id, sizeof message_id);
+  std::memcpy(bytes.data() + kTorqueAt, torque.data(), 8 * kFciJoints);
+  bytes[kFciCommandSize - 1] = finished ? 1 : 0;
+}
+
+std::string fci_errors(const std::array<std::uint8_t, 41>& flags) {
+  std::string text;
+  for (std::size_t i = 0; i < flags.size(); ++i)
+    if (flags[i]) text += (text.empty() ? "" : ", ") + std::string(kErrorNames[i]);
+  return text;
+}
+
+bool fci_collision(const std::array<std::uint8_t, 41>& flags) noexcept {
+  // self_collision_avoidance, force_control_safety, joint_reflex, cartesian_reflex
+  return flags[2] || flags[5] || flags[6] || flags[7];
 }
 
 }  // namespace impedraw

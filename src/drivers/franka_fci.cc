@@ -13,10 +13,8 @@
 #include <fmt/format.h>
 
 #include "impedraw/arm/urdf_text.h"
-#include "impedraw/common/errors.h"
 
 namespace impedraw {
-
 namespace {
 
 // At these external torques [Nm] and forces [N], [Nm] the arm stops by a reflex. A pen that presses

@@ -1,4 +1,4 @@
-// Franka's arm (FR3) through its control interface, driven by torque alone: fci_messages.h, and
+// Franka's arm (FR3) through its control interface, driven by torque alone: fci_link.h, and
 // the session of arm_session.h from the first torque on.
 //
 // Start    The arm's own URDF, which it sends, must have our model's kinematics, and must allow
@@ -17,8 +17,8 @@
 #include <string>
 
 #include "impedraw/arm/arm_model.h"
+#include "impedraw/drivers/arm_session.h"
 #include "impedraw/drivers/fci_link.h"
-#include "impedraw/drivers/foreign_arm.h"
 #include "impedraw/experiment/scenario.h"
 
 namespace impedraw {

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
+#include "impedraw/drivers/tcp.h"
 
 namespace impedraw {
-
 namespace {
 
 // KUKA's data sheets: ranges are those of both arms, torques of the iiwa 14, the stronger one. A
@@ -42,6 +42,13 @@ void require_iiwa(const ArmModel& arm) {
           "another arm",
           name, limits.torque[j], j + 1, kTorque[j]));
   }
+}
+
+constexpr std::uint64_t kStatusType = 0xf16fb804284abca3, kCommandType = 0xddc7c7738c815334,
+                        kForceTorqueType = 0x73206439325b65c5;
+
+double get_double(const std::uint8_t** from) {
+  return std::bit_cast<double>(get_big_endian(8, from));
 }
 
 }  // namespace
@@ -271,6 +278,48 @@ void IiwaLcm::stop() noexcept {
     silent = session_->may_send() && !receive(wall_seconds() + (silent ? 0.001 : patience));
   }
   link_.reset();
+}
+
+const char* name_of(Decoded result) {
+  static constexpr const char* kNames[] = {"ok", "of another type", "of the wrong size",
+                                           "of an arm that has not seven joints"};
+  return kNames[static_cast<std::size_t>(result)];
+}
+
+void encode_iiwa_command(std::int64_t utime, const JointVector& torque,
+                         std::span<std::uint8_t, kIiwaCommandSize> bytes) noexcept {
+  std::uint8_t* to = bytes.data();
+  put_big_endian(kCommandType, 8, &to);
+  put_big_endian(static_cast<std::uint64_t>(utime), 8, &to);
+  put_big_endian(0, 4, &to);
+  put_big_endian(kIiwaJoints, 4, &to);
+  for (int j = 0; j < kIiwaJoints; ++j)
+    put_big_endian(std::bit_cast<std::uint64_t>(torque[j]), 8, &to);
+}
+
+Decoded decode_iiwa_status(std::span<const std::uint8_t> bytes, ArmStatus* status) noexcept {
+  const std::uint8_t* from = bytes.data();
+  if (bytes.size() < 20) return Decoded::wrong_size;
+  if (get_big_endian(8, &from) != kStatusType) return Decoded::other_type;
+  const auto utime = static_cast<std::int64_t>(get_big_endian(8, &from));
+  if (get_big_endian(4, &from) != kIiwaJoints) return Decoded::wrong_joints;
+  if (bytes.size() != 20 + 7 * 8 * kIiwaJoints) return Decoded::wrong_size;
+  status->utime = utime;
+  for (int j = 0; j < kIiwaJoints; ++j) status->q[j] = get_double(&from);
+  for (int j = 0; j < kIiwaJoints; ++j) status->v[j] = get_double(&from);
+  from += 4 * 8 * kIiwaJoints;  // commanded, interpolated, measured and commanded torque
+  for (int j = 0; j < kIiwaJoints; ++j) status->external[j] = get_double(&from);
+  return Decoded::ok;
+}
+
+Decoded decode_tip_wrench(std::span<const std::uint8_t> bytes, TipWrench* wrench) noexcept {
+  const std::uint8_t* from = bytes.data();
+  if (bytes.size() < 8) return Decoded::wrong_size;
+  if (get_big_endian(8, &from) != kForceTorqueType) return Decoded::other_type;
+  if (bytes.size() != 16 + 6 * 8) return Decoded::wrong_size;
+  wrench->utime = static_cast<std::int64_t>(get_big_endian(8, &from));
+  for (int i = 0; i < 6; ++i) wrench->wrench[i] = get_double(&from);
+  return Decoded::ok;
 }
 
 }  // namespace impedraw

@@ -12,12 +12,10 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/drivers/big_endian.h"
 #include "impedraw/drivers/tcp.h"
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr std::uint32_t kHello = 0x287617fb, kAnswer = 0x287617fa, kVersion = 0x0100;

@@ -12,7 +12,6 @@
 #include <cmath>
 
 namespace impedraw {
-
 namespace {
 
 bool ready(int descriptor, short event, double seconds) noexcept {

@@ -3,6 +3,7 @@
 
 #include <netinet/in.h>
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -19,5 +20,20 @@ int connect_tcp(const sockaddr_in& address, double patience, int* error) noexcep
 // Waits at most `seconds`. True if a read would not block: something came, or the peer left.
 bool readable(int descriptor, double seconds) noexcept;
 bool writable(int descriptor, double seconds) noexcept;
+
+// Numbers in network order, as LCM writes them.
+
+// Writes the lowest `bytes` bytes of a value, and moves on behind them.
+inline void put_big_endian(std::uint64_t value, int bytes, std::uint8_t** to) noexcept {
+  for (int shift = 8 * (bytes - 1); shift >= 0; shift -= 8)
+    *(*to)++ = static_cast<std::uint8_t>(value >> shift);
+}
+
+// Reads a value of `bytes` bytes, and moves on behind it.
+inline std::uint64_t get_big_endian(int bytes, const std::uint8_t** from) noexcept {
+  std::uint64_t value = 0;
+  for (int i = 0; i < bytes; ++i) value = value << 8 | *(*from)++;
+  return value;
+}
 
 }  // namespace impedraw

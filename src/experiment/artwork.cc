@@ -4,17 +4,14 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/common/roll_pitch_yaw.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/dashes.h"
 #include "impedraw/drawing/hershey.h"
 #include "impedraw/drawing/order.h"
 #include "impedraw/drawing/simplify.h"
-#include "impedraw/planning/stroke_part.h"
 
 namespace impedraw {
-
 namespace {
 
 Artwork given_artwork(const DrawingSettings& s, const SettingErrors& setting_errors) {

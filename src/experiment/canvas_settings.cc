@@ -7,11 +7,9 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/canvas/mesh_check.h"
-#include "impedraw/common/errors.h"
 #include "impedraw/common/roll_pitch_yaw.h"
 
 namespace impedraw {
-
 namespace {
 
 // Straight into the shape's own group: canvas.wave.centre.

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "impedraw/canvas/built_in.h"
-#include "impedraw/canvas/built_in_rough.h"
 #include "impedraw/settings/schema.h"
 #include "impedraw/simulation/world_settings.h"
 

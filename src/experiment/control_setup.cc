@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/control/contact_stability.h"
 #include "impedraw/control/damping.h"
 #include "impedraw/control/impedance.h"
@@ -14,7 +13,6 @@
 #include "impedraw/simulation/joint_springs.h"
 
 namespace impedraw {
-
 namespace {
 
 // Settings that the controller's checks look at, the likeliest culprit first.

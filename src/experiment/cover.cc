@@ -6,15 +6,12 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/regions.h"
-#include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/planning/cover/even_forces.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kMostVertices = 90e3;

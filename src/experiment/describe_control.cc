@@ -2,7 +2,6 @@
 #include "impedraw/experiment/scenario.h"
 
 namespace impedraw {
-
 namespace {
 
 // "Stiffness K along both tangents." and "... along the normal.", or about them.

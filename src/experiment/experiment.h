@@ -10,20 +10,34 @@
 #pragma once
 
 #include <future>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "impedraw/canvas/triangle_mesh.h"
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/belief.h"
 #include "impedraw/experiment/control_setup.h"
 #include "impedraw/experiment/input_files.h"
 #include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/scenario.h"
-#include "impedraw/experiment/yardstick.h"
+#include "impedraw/metrics/ending.h"
+#include "impedraw/planning/target.h"
 #include "impedraw/planning/wrap/distortion.h"
 #include "impedraw/settings/yaml_read.h"
 
 namespace impedraw {
+
+class Canvas;
+
+// What a drawing is judged against, as data for the log and the metrics. The loop does not read it.
+struct Yardstick {
+  TargetLine target;                      // the promised strokes on the true canvas, in W
+  TriangleMesh canvas;                    // the true one, as the run begins, in W
+  std::shared_ptr<const Canvas> surface;  // the same, to be searched
+  bool canvas_moves = false;
+  Promise promise;
+};
 
 // The stages that determine what will be drawn.
 struct PlannedDrawing {
@@ -45,8 +59,7 @@ struct Experiment : PlannedDrawing {
 };
 
 // The stage after the plan: completes the controller's settings in the drawing's scenario, and adds
-// notes to its plan. Throws InputError, too, for rotors that the law would not bear
-// (rotor_check.h).
+// notes to its plan. Throws InputError, too, for rotors that the law would not bear.
 ControlSetup control_for(PlannedDrawing* drawing, const Places& places);
 
 // Repairs to the input, and what is not drawn, one line each.

@@ -15,10 +15,7 @@
 
 #include <nanoflann.hpp>
 
-#include "impedraw/perception/neighbours.h"
-
 namespace impedraw {
-
 namespace {
 
 // The cloud in P, to find the point nearest to a line along z.

@@ -8,7 +8,6 @@
 #include "impedraw/files/sha256.h"
 
 namespace impedraw {
-
 namespace {
 
 namespace fs = std::filesystem;

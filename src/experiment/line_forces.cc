@@ -8,10 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "impedraw/drawing/layers.h"
-
 namespace impedraw {
-
 namespace {
 
 constexpr double kSameWidth = 0.05;  // relative; a difference that nobody sees

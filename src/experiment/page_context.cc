@@ -6,13 +6,11 @@
 
 #include "impedraw/arm/plain_urdf.h"
 #include "impedraw/canvas/mesh_file.h"
-#include "impedraw/common/errors.h"
 #include "impedraw/experiment/input_files.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/settings/settings_doc.h"
 
 namespace impedraw {
-
 namespace {
 
 namespace fs = std::filesystem;

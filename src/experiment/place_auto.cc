@@ -9,15 +9,12 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/arm/inverse_kinematics.h"
-#include "impedraw/common/errors.h"
 #include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/experiment/start_posture.h"
-#include "impedraw/planning/preflight/preflight.h"
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
-
 namespace {
 
 using Eigen::Vector2d;

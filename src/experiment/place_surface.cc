@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/common/text_fields.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/plan.h"
@@ -19,7 +18,6 @@
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
-
 namespace {
 
 using Eigen::Vector2d;

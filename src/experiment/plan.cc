@@ -1,25 +1,20 @@
 #include "impedraw/experiment/plan.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
-#include "impedraw/common/errors.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/line_forces.h"
 #include "impedraw/experiment/plan_notes.h"
 #include "impedraw/experiment/plan_summary.h"
-#include "impedraw/experiment/rough_ground.h"
 #include "impedraw/experiment/start_posture.h"
 #include "impedraw/planning/preflight/crawl.h"
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
-
 namespace {
 
 // Numbers the strokes in order. `source` gets the artwork's stroke number of each.
@@ -223,17 +218,8 @@ void Planning::require_pen_places() const {
 
 // True if it is so only where the canvas is before it has been watched.
 bool passes_with_canvas(Problem problem) {
-  switch (problem) {
-    case Problem::out_of_reach:
-    case Problem::joint_limit:
-    case Problem::near_singular:
-    case Problem::torque:
-    case Problem::arm_collision:
-    case Problem::joint_jump:
-      return true;
-    default:
-      return false;
-  }
+  return problem == Problem::joint_jump ||
+         (problem >= Problem::out_of_reach && problem <= Problem::arm_collision);
 }
 
 // A canvas that may move: what the arm can reach is known once it has been watched, and the run

@@ -36,7 +36,7 @@ struct Plan {
   DrawingLoad load;            // on the arm, while the pen is down
   PathSettings path_settings;  // the planner's; a sensor must be tared within start_hold
   TipPath path;                // empty if nothing can be drawn
-  bool rough = false;          // as is_rough() (rough_ground.h)
+  bool rough = false;          // as is_rough() (plan_notes.h)
   // Of `strokes`; none if all are drawn by one pen whose width does not change with its force.
   std::optional<DrawnPens> pens;
   std::vector<std::string> notes;  // what is not drawn, one line each
@@ -56,7 +56,7 @@ Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, const Bel
                const PrepareProgress& progress = {});
 
 // Limits along strokes that the path alone does not show: of the arm's joints (joint_rates.h), and
-// where the surface is rougher than it is known, path.normal_speed (plan_limits.cc).
+// where the surface is rougher than it is known, path.normal_speed (plan_summary.cc).
 SpanLimits stroke_limits(const Belief& belief, const Plan& plan, const PathSettings& settings);
 
 // A separate path for some strokes or parts of strokes. It starts at p_WE, at rest, after `hold`

@@ -1,13 +1,46 @@
-// What a plan says of doubtful places: where the wrap is not certain, where the force cannot follow
-// the widths, and why the planner's surface ends.
+// What a plan says of doubtful places: a rough surface, where the wrap is not certain, where the
+// force cannot follow the widths, and why the planner's surface ends.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "impedraw/common/pose.h"
+#include "impedraw/drawing/placement.h"
+#include "impedraw/experiment/belief.h"
 #include "impedraw/experiment/plan.h"
+#include "impedraw/perception/normals.h"
+#include "impedraw/planning/surface_height.h"
 
 namespace impedraw {
+
+// A rough surface: a note, and the choice of the pen's axis where the scenario leaves it open.
+
+// Finer patches than the plan's are in use under the drawing: along over a tenth of it,
+// perception's normal is 0.02 rad off the plan's.
+//
+// On a smooth surface the estimated normal is the better axis of the pen, also where a hand pushes
+// it off its line, and whatever pushes it aside is a hand. On a rough one the plan's smoothed
+// normals are the better axis, and the surface itself pushes the tip aside.
+bool is_rough(const Belief& belief, const Plan& plan);
+
+inline constexpr double kRoughNormalError = 30.0;  // [deg]
+inline constexpr double kRoughFeltShare = 0.5;     // FeltNormalSettings
+
+// A note on a surface that is too rough for a calm force, as the cameras show it.
+//
+// The force scatters by heights that the fitted patches do not follow: their residual,
+// RMS along the strokes. On plates with noise (0.1 to 1 mm, grid 1 to 6 mm) and ribs (0.3 to 2 mm,
+// 5 to 30 mm long) at 50 mm/s and 5 N, the force's standard deviation was 0.4 to 1.1 N above a
+// residual of 0.06 mm, and 0.05 to 0.3 N below, but for noise on a grid of 1 mm. Only for cameras
+// without noise, which has a residual, too.
+
+// The note, or nullopt on calm ground. `strokes` are in the drawing plane, `X_WP` its pose. Looks
+// at most at some 500 places.
+std::optional<std::string> roughness_note(const std::vector<PlacedStroke>& strokes,
+                                          const SurfaceHeight& surface, const Pose& X_WP,
+                                          const SurfaceEstimator& seen);
 
 // By how much the drawing would lie elsewhere on the surface, RMS, if the same cells were laid flat
 // with the heights as the finest patches see them [m]. 0 where these add nothing; infinite where

@@ -85,7 +85,7 @@ struct ArmSettings {
   std::filesystem::path urdf;  // empty: models/iiwa14_pen.urdf
   // As the controller's model has it, of all joints or of each; empty: what the URDF says [kg m²].
   std::vector<double> rotor_inertia;
-  // Springs in the joints and the arm's own torque loop, as the set-up knows them (rotor_check.h):
+  // Springs in the joints and the arm's own torque loop, as the set-up knows them (experiment.h):
   // of all joints or of each, empty: rigid [Nm/rad]; 0: no loop [rad/s].
   std::vector<double> joint_stiffness;
   double torque_bandwidth = 0.0;
@@ -191,7 +191,7 @@ struct JointSensingSettings {
 
 // FeltNormalSettings of a scenario.
 struct GivenFeltNormal {
-  std::optional<double> share;  // none: by the surface's roughness (rough_ground.h)
+  std::optional<double> share;  // none: by the surface's roughness (plan_notes.h)
   double deviation = FeltNormalSettings().deviation;
   double force_error = FeltNormalSettings().force_error;
 
@@ -204,7 +204,7 @@ struct ControlSettings : ImpedanceSettings {
   WrenchSource source = WrenchSource::truth;
   SensingSettings sensing;
   JointSensingSettings joint_sensing;
-  // By the surface's roughness (rough_ground.h) where they are absent.
+  // By the surface's roughness (plan_notes.h) where they are absent.
   std::optional<PenAxis> pen_axis;
   std::optional<double> normal_error_deg;
   GivenFeltNormal felt_normal;
@@ -214,7 +214,7 @@ struct ControlSettings : ImpedanceSettings {
   double torque_share = 1.0;       // of the arm's torque limits
   double torque_rate = 4000.0;     // of every joint [Nm/s]
   double joint_speed_share = 0.9;  // of the arm's joint speed limits
-  bool check_rotors = true;        // refuses what the law would not bear (rotor_check.h)
+  bool check_rotors = true;        // refuses what the law would not bear (experiment.h)
   // Delay of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
   std::optional<double> torque_delay;
   // Stiffness of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.

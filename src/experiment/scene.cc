@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -10,9 +9,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/canvas/mesh_facing.h"
-#include "impedraw/canvas/outside_box.h"
 #include "impedraw/experiment/height_sources.h"
-#include "impedraw/experiment/input_files.h"
 #include "impedraw/experiment/snapshot.h"
 #include "impedraw/experiment/start_posture.h"
 #include "impedraw/perception/axis_motion.h"
@@ -20,7 +17,6 @@
 #include "impedraw/settings/yaml_write.h"
 
 namespace impedraw {
-
 namespace {
 
 // one-sidedness: 2 mm within the rim of the standard bowl; the controller's 0.66 is 1 mm beyond it

@@ -9,9 +9,7 @@
 
 #include "impedraw/capture/capture_cloud.h"
 #include "impedraw/capture/found_canvas.h"
-#include "impedraw/common/errors.h"
 #include "impedraw/common/seeded_normals.h"
-#include "impedraw/perception/depth_camera.h"
 #include "impedraw/perception/patch_size.h"
 
 namespace impedraw {

@@ -15,7 +15,6 @@
 #include "impedraw/arm/inverse_kinematics.h"
 
 namespace impedraw {
-
 namespace {
 
 // a condition of 4 is as good as a joint in the middle of its range

@@ -8,7 +8,6 @@
 #include "impedraw/experiment/plan_summary.h"
 
 namespace impedraw {
-
 namespace {
 
 // Defined everywhere: beside the canvas, the line goes on as planned, or level.

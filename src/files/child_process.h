@@ -2,6 +2,7 @@
 // whatever ends it or us.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -37,5 +38,20 @@ struct ChildFile {
 int run_child(const std::vector<std::string>& arguments, const std::vector<ChildFile>& files,
               const std::function<void()>& check = {},
               const std::vector<std::string>& environment = {});
+
+// Runs one of the program's Python scripts so that the result does not depend on where, by whom and
+// in which locale the program was started: isolated from the user's Python settings and packages,
+// in UTF-8 mode, with matplotlib's own defaults, in the root folder. Paths must be absolute.
+struct PythonCall {
+  std::string python;                  // the interpreter
+  std::vector<std::string> arguments;  // the script and its own
+  std::vector<ChildFile> files{};
+  // Where matplotlib keeps its list of fonts. If it cannot be written, a temporary folder is used.
+  std::filesystem::path matplotlib_folder{};
+  std::function<void()> check{};  // as run_child()
+};
+
+// Returns what run_child() does.
+int run_python(const PythonCall& call);
 
 }  // namespace impedraw

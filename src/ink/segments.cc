@@ -1,10 +1,11 @@
 #include "impedraw/ink/segments.h"
 
+#include <nanoflann.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <nanoflann.hpp>
+#include <utility>
 
 namespace impedraw {
 namespace {
@@ -45,6 +46,29 @@ struct Listener {
 };
 
 double square(double x) { return x * x; }
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using Interval = std::pair<double, double>;  // empty where first > second
+constexpr Interval kNone{kInfinity, -kInfinity};
+
+Interval clip(Interval i, double low, double high) {
+  return {std::max(i.first, low), std::min(i.second, high)};
+}
+
+// t with a t² + 2 b t + c ≤ 0, a > 0.
+Interval below_zero(double a, double b, double c) {
+  const double discriminant = b * b - a * c;
+  if (discriminant < 0.0) return kNone;
+  const double root = std::sqrt(discriminant);
+  return {(-b - root) / a, (-b + root) / a};
+}
+
+// The line o + t u (u of unit length) inside the ball around c.
+Interval in_ball(const Eigen::Vector3d& o, const Eigen::Vector3d& u, const Eigen::Vector3d& c,
+                 double r) {
+  const Eigen::Vector3d w = o - c;
+  return below_zero(1.0, w.dot(u), w.squaredNorm() - r * r);
+}
 
 }  // namespace
 
@@ -119,6 +143,84 @@ void Segments::visit_near(const Eigen::Vector3d& p, double reach,
     visit(t.segments[t.samples.segment[sample]]);
     return square(bound * (1.0 + 1e-12));
   });
+}
+
+// The points within reach of a segment form a capsule: two balls and the cylinder between them. A
+// capsule is convex, so the result is one interval. It spans the intervals of the three parts.
+std::pair<double, double> within_reach(const Segment& s, const Segment& ink, double reach) {
+  const double length = (s.b - s.a).norm();
+  const Eigen::Vector3d u = (s.b - s.a) / length;
+  Interval all = in_ball(s.a, u, ink.a, reach);
+  const auto join = [&](const Interval& i) {
+    if (i.first <= i.second) all = {std::min(all.first, i.first), std::max(all.second, i.second)};
+  };
+  const Eigen::Vector3d axis = ink.b - ink.a;
+  const double h = axis.norm();
+  if (h > 0.0) {
+    join(in_ball(s.a, u, ink.b, reach));
+    const Eigen::Vector3d e = axis / h, w = s.a - ink.a;
+    const double along = u.dot(e), start = w.dot(e);
+    const Eigen::Vector3d u_across = u - along * e, w_across = w - start * e;
+    const double a = u_across.squaredNorm(), c = w_across.squaredNorm() - reach * reach;
+    Interval cylinder = a > 1e-24 ? below_zero(a, u_across.dot(w_across), c)
+                                  : (c <= 0.0 ? Interval{-kInfinity, kInfinity} : kNone);
+    if (std::abs(along) > 1e-12) {  // between the planes through the ends
+      const double t0 = -start / along, t1 = (h - start) / along;
+      cylinder = clip(cylinder, std::min(t0, t1), std::max(t0, t1));
+    } else if (start < 0.0 || start > h) {
+      cylinder = kNone;
+    }
+    join(cylinder);
+  }
+  return clip(all, 0.0, length);
+}
+
+Coverage cover(const std::vector<Eigen::Vector3d>& target, const Segments& ink, double reach) {
+  Coverage result;
+  double open = 0.0;  // length of the uncovered span that ends here
+  bool any = false;   // something was covered
+  double leading = 0.0;
+  std::vector<Interval> near;
+  const auto end_span = [&] {
+    if (!any) leading = open;
+    if (open > 0.0) result.uncovered_spans.push_back(open);
+    open = 0.0;
+    any = true;
+  };
+  for (std::size_t i = 0; i + 1 < target.size(); ++i) {
+    const Segment s{target[i], target[i + 1]};
+    const double length = (s.b - s.a).norm();
+    if (length == 0.0) continue;
+    result.length += length;
+    near.clear();
+    ink.visit_near(0.5 * (s.a + s.b), reach + 0.5 * length, [&](const Segment& piece) {
+      const Interval part = within_reach(s, piece, reach);
+      if (part.first <= part.second) near.push_back(part);
+    });
+    std::sort(near.begin(), near.end());
+    double done = 0.0;  // length of the segment processed so far
+    for (const Interval& part : near) {
+      if (part.second < done) continue;
+      if (part.first > done + 1e-12 * length) {
+        open += part.first - done;
+        done = part.first;
+      }
+      if (part.second > done) {
+        end_span();
+        result.covered += part.second - done;
+        done = part.second;
+      }
+    }
+    if (length - done > 1e-12 * length) open += length - done;
+  }
+  const bool closed =
+      target.size() > 2 && (target.back() - target.front()).norm() <= 1e-9 * result.length;
+  if (closed && any && leading > 0.0 && open > 0.0) {
+    result.uncovered_spans.front() += open;
+  } else if (open > 0.0) {
+    result.uncovered_spans.push_back(open);
+  }
+  return result;
 }
 
 }  // namespace impedraw

@@ -6,13 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/canvas/built_in.h"
-#include "impedraw/common/errors.h"
 #include "impedraw/common/minimum_jerk.h"
-#include "impedraw/settings/settings_text.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kRadius = 0.30, kHalf = 0.18;  // of the bowl's sphere; of the sheets [m]

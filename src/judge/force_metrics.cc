@@ -9,7 +9,6 @@
 #include <Eigen/Core>
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kBand = 0.05, kLeastBand = 0.1;  // of a change; [N]

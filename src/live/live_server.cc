@@ -3,7 +3,6 @@
 #include <pthread.h>
 
 #include <algorithm>
-#include <atomic>
 #include <condition_variable>
 #include <csignal>
 #include <cstring>
@@ -11,7 +10,6 @@
 #include <string_view>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <boost/asio/post.hpp>
@@ -23,7 +21,6 @@
 #include "impedraw/live/local_http.h"
 
 namespace impedraw {
-
 namespace {
 
 namespace asio = boost::asio;

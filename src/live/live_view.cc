@@ -13,12 +13,11 @@
 
 #include "impedraw/experiment/page_context.h"
 #include "impedraw/live/live_server.h"
-#include "impedraw/page/live_page.h"
+#include "impedraw/page/plan_page.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/settings/yaml_write.h"
 
 namespace impedraw {
-
 namespace {
 
 using std::chrono::steady_clock;

@@ -11,7 +11,6 @@
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
-
 namespace {
 
 // Takes as long wherever they differ.

@@ -1,16 +1,52 @@
 #include "impedraw/metrics/ending.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "impedraw/log/log.h"
-#include "impedraw/metrics/drawn_lengths.h"
+#include "impedraw/ink/ink_lines.h"
 #include "impedraw/metrics/metrics.h"
 
 namespace impedraw {
 namespace {
+
+constexpr double kIgnored = 1e-3;  // a shorter gap, or rest [m]
+
+// Of the strokes that have ink, as the plan measures them.
+double inked_length(const RunData& run) {
+  std::map<int, std::vector<std::pair<double, double>>> parts;
+  bool open = false;
+  for (std::size_t i = 0; i < run.rows(); ++i) {
+    const double along = run.stroke_along[i];
+    const int stroke = run.stroke[i];
+    if (stroke < 0 || !is_ink(run.f[i]) || !std::isfinite(along)) {
+      open = false;
+      continue;
+    }
+    auto& of_stroke = parts[stroke];
+    open = open && run.stroke[i - 1] == stroke;
+    if (!open) of_stroke.emplace_back(along, along);
+    of_stroke.back().first = std::min(of_stroke.back().first, along);
+    of_stroke.back().second = std::max(of_stroke.back().second, along);
+    open = true;
+  }
+  double sum = 0.0;
+  for (auto& [stroke, of_stroke] : parts) {
+    std::sort(of_stroke.begin(), of_stroke.end());
+    double end = of_stroke.front().first;
+    for (const auto& [from, to] : of_stroke) {
+      if (to <= end) continue;
+      sum += to - (from > end && from - end > kIgnored ? from : end);
+      end = to;
+    }
+  }
+  return sum;
+}
 
 struct EndName {
   const char *name, *told;
@@ -26,6 +62,80 @@ constexpr std::array<EndName, 6> kEnds = {
 const EndName& of(RunEnd end) { return kEnds[static_cast<std::size_t>(end)]; }
 
 }  // namespace
+
+DrawnLengths drawn_lengths(const RunData& run, const Promise& promise, const Ending& ending) {
+  DrawnLengths out;
+  out.asked = promise.asked;
+  out.not_drawn = promise.lengths;
+  if (promise.unnamed > kIgnored) out.not_drawn["unnamed"] = promise.unnamed;
+  double rest = promise.promised - inked_length(run);
+  for (const auto& [reason, length] : ending.given_up) {
+    const double part = std::clamp(length, 0.0, std::max(0.0, rest));
+    if (part > 0.0) out.not_drawn[reason] += part;
+    rest -= part;
+  }
+  if (rest > kIgnored)
+    out.not_drawn[ending.end == RunEnd::finished ? "no_ink" : "not_reached"] += rest;
+  out.drawn = out.asked;
+  for (const auto& [reason, length] : out.not_drawn) out.drawn -= length;
+  out.drawn = std::max(0.0, out.drawn);
+  return out;
+}
+
+std::string length_text(double mm) {
+  return mm < 999.5 ? fmt::format("{:.3g} mm", mm) : fmt::format("{:.3g} m", 1e-3 * mm);
+}
+
+std::string rest_text(const std::map<std::string, double>& not_drawn_mm) {
+  std::vector<std::pair<double, std::string>> parts;
+  for (const auto& [reason, mm] : not_drawn_mm) parts.emplace_back(-mm, reason);
+  std::sort(parts.begin(), parts.end());
+  std::string text;
+  for (auto& [mm, reason] : parts) {
+    if (reason == "off_canvas") reason = "edge";
+    std::replace(reason.begin(), reason.end(), '_', ' ');
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", reason, length_text(-mm));
+  }
+  return text;
+}
+
+std::string promise_text(const Promise& p) {
+  nlohmann::ordered_json text = {{"asked", p.asked},
+                                 {"promised", p.promised},
+                                 {"undrawable", p.undrawable},
+                                 {"unnamed", p.unnamed},
+                                 {"problems", p.problems},
+                                 {"lengths", p.lengths},
+                                 {"asks_ink", p.asks_ink},
+                                 {"slope", p.slope},
+                                 {"time", p.time},
+                                 {"axis", {p.axis_W.x(), p.axis_W.y(), p.axis_W.z()}}};
+  if (p.reachable) text["reachable"] = *p.reachable;
+  return text.dump();
+}
+
+std::optional<Promise> read_promise(const std::map<std::string, std::string>& attributes) {
+  const auto found = attributes.find(kPromiseAttribute);
+  if (found == attributes.end()) return std::nullopt;
+  const auto text = nlohmann::json::parse(found->second, nullptr, false);
+  try {
+    Promise p;
+    text.at("asked").get_to(p.asked);
+    text.at("promised").get_to(p.promised);
+    text.at("undrawable").get_to(p.undrawable);
+    text.at("unnamed").get_to(p.unnamed);
+    if (text.contains("reachable")) p.reachable = text["reachable"].get<double>();
+    text.at("problems").get_to(p.problems);
+    if (text.contains("lengths")) text["lengths"].get_to(p.lengths);
+    p.asks_ink = text.value("asks_ink", true);
+    text.at("slope").get_to(p.slope);
+    text.at("time").get_to(p.time);
+    for (int i = 0; i < 3; ++i) p.axis_W[i] = text.at("axis").at(i).get<double>();
+    return p;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;  // another program's attribute
+  }
+}
 
 const char* name_of(RunEnd end) noexcept { return of(end).name; }
 

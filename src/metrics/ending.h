@@ -1,16 +1,21 @@
+// How a run ended, what was promised of its drawing, and how much of that was drawn.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "impedraw/log/run_data.h"
+
+namespace impedraw {
+
 // How a run ended: one value for log, metrics.json, page, Python and terminal.
 //
 // run.h5 keeps how its loop ended, and what was given up on the way, in its root attribute `ending`
 // (JSON). A loop that came to its end may still have drawn nothing, or far off: compute_metrics()
 // judges that from the rows (judged()).
-#pragma once
-
-#include <map>
-#include <string>
-
-#include <nlohmann/json_fwd.hpp>
-
-namespace impedraw {
 
 enum class RunEnd {
   finished,
@@ -48,5 +53,45 @@ struct Metrics;  // metrics.h
 Ending judged(Ending ending, const Metrics& metrics, bool any_ink, bool asks_ink);
 inline constexpr double kLeastDrawn = 0.01;
 inline constexpr double kFarOff = 5.0;  // [mm]
+
+// What the pre-flight promised of a drawing, as the log keeps it: the root attribute `promise` of
+// run.h5, JSON. Without it (older logs), metrics that need it are null.
+struct Promise {
+  // Lengths are in the drawing plane [m]. Of the artwork, hatched and dashed: `asked`. Of the parts
+  // that are drawn: `promised`. Of those that the pre-flight names with a reason: `undrawable`.
+  // Neither promised nor named: `unnamed`, 0 but for rounding or a fault.
+  double asked = 0.0, promised = 0.0, undrawable = 0.0, unnamed = 0.0;
+  // What a planner that knows the true canvas could draw: what lies above it, where it leans by
+  // less than 75°, less what the arm cannot reach. None if wrapped, and in older logs.
+  std::optional<double> reachable;
+  std::map<std::string, int> problems;    // findings by problem: {"too_steep", 3}
+  std::map<std::string, double> lengths;  // of them; empty in older logs [m]
+  double slope = 0.0;                     // steepest under the target, against the level [rad]
+  double time = 0.0;                      // of the planned path [s]
+  bool asks_ink = true;                   // false: a dry run
+  Eigen::Vector3d axis_W = Eigen::Vector3d::UnitZ();  // the drawing axis, out of the canvas
+};
+
+inline constexpr const char* kPromiseAttribute = "promise";
+
+std::string promise_text(const Promise& promise);
+std::optional<Promise> read_promise(const std::map<std::string, std::string>& attributes);
+
+// How much of a drawing was drawn, and what the rest lacks. Lengths are in the drawing plane.
+//
+// Drawn: where a row has ink, whatever its place. Gaps of up to 1 mm count as drawn. The rest is,
+// by reason, what the pre-flight left out (names of Problem), what was given up while drawing
+// (Ending::given_up), and what has no ink: `not_reached` where the run ended before, else `no_ink`.
+struct DrawnLengths {
+  double asked = 0.0, drawn = 0.0;          // [m]
+  std::map<std::string, double> not_drawn;  // by reason [m]
+};
+
+DrawnLengths drawn_lengths(const RunData& run, const Promise& promise, const Ending& ending);
+
+// "edge 0.2 m, too steep 31 mm", the longest first; empty: nothing is missing.
+std::string rest_text(const std::map<std::string, double>& not_drawn_mm);
+// "31 mm", "2.9 m".
+std::string length_text(double mm);
 
 }  // namespace impedraw

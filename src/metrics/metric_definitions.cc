@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "impedraw/metrics/drawn_lengths.h"
+#include "impedraw/metrics/ending.h"
 
 namespace impedraw {
 

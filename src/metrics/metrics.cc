@@ -11,10 +11,7 @@
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/errors.h"
-#include "impedraw/ink/coverage.h"
-#include "impedraw/metrics/drawn_lengths.h"
 #include "impedraw/metrics/pens.h"
-#include "impedraw/metrics/promise.h"
 #include "impedraw/metrics/statistics.h"
 
 namespace impedraw {
@@ -32,6 +29,10 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 void lack(Metrics& metrics, std::initializer_list<Metric Metrics::*> members,
           const std::string& reason) {
   for (const auto member : members) metrics.*member = Metric::missing(reason);
+}
+
+Metric value_or(bool known, double value, const char* reason) {
+  return known ? Metric(value) : Metric::missing(reason);
 }
 
 // Statistics of x, or the reason for which there is no x.
@@ -79,11 +80,8 @@ void contact(const RunData& run, const InkMatch& d, Metrics& m) {
     down += run.stroke[i] >= 0;
     ink += run.stroke[i] >= 0 && is_ink(run.f[i]);
   }
-  if (down == 0) {
-    lack(m, {&Metrics::contact_fraction}, "no pen-down sample");
-  } else {
-    m.contact_fraction = static_cast<double>(ink) / static_cast<double>(down);
-  }
+  m.contact_fraction = value_or(down > 0, static_cast<double>(ink) / static_cast<double>(down),
+                                "no pen-down sample");
   if (d.strokes.empty()) {
     lack(m, {&Metrics::strokes_missed}, "no stroke in target or plan");
     return;
@@ -114,11 +112,8 @@ void accuracy(const RunData& run, const InkMatch& d, Metrics& m) {
         outside += near >= kOutside ? piece : piece * (far - kOutside) / (far - near);
     }
   }
-  if (length == 0.0) {
-    lack(m, {&Metrics::ink_outside}, "no pen-down ink of any length with a target");
-  } else {
-    m.ink_outside = outside / length;
-  }
+  m.ink_outside =
+      value_or(length != 0.0, outside / length, "no pen-down ink of any length with a target");
 }
 
 void tracking(const RunData& run, Metrics& m) {
@@ -192,11 +187,7 @@ void force(const RunData& run, const InkMatch& d, Metrics& m) {
   }
   fill(m, width_error, "no pen whose width changes with its force has ink",
        {{&Metrics::width_error_rms, root_mean_square}});
-  if (touchdown < 0.0) {
-    lack(m, {&Metrics::touchdown_peak}, "no stroke was touched");
-  } else {
-    m.touchdown_peak = touchdown;
-  }
+  m.touchdown_peak = value_or(touchdown >= 0.0, touchdown, "no stroke was touched");
   const char* const no_ink = "no pen-down ink later than 0.2 s after a first touch";
   fill(m, settled, no_ink,
        {{&Metrics::force_mean, mean},
@@ -346,11 +337,9 @@ void motion(const RunData& run, const InkMatch& d, Metrics& m) {
   }
   m.draw_time = drawing;
   const double wall = run.wall.loop + (std::isfinite(run.wall.writing) ? run.wall.writing : 0.0);
-  if (std::isfinite(wall) && wall > 0.0) {
-    m.real_time_factor = (run.time[n - 1] + last_step - run.time[0]) / wall;
-  } else {
-    lack(m, {&Metrics::real_time_factor}, "the log was not closed, or the loop not timed");
-  }
+  m.real_time_factor = value_or(std::isfinite(wall) && wall > 0.0,
+                                (run.time[n - 1] + last_step - run.time[0]) / wall,
+                                "the log was not closed, or the loop not timed");
 }
 
 void arm(const RunData& run, Metrics& m) {
@@ -359,21 +348,14 @@ void arm(const RunData& run, Metrics& m) {
         m,
         {&Metrics::torque_saturated, &Metrics::joint_margin_min, &Metrics::joint_speed_share_max},
         "no rows");
-  if (run.clipped) {
-    m.torque_saturated = static_cast<double>(*run.clipped) / static_cast<double>(run.rows());
-  } else {
-    lack(m, {&Metrics::torque_saturated}, "the log holds no torque terms");
-  }
-  if (std::isfinite(run.joint_margin)) {
-    m.joint_margin_min = run.joint_margin;
-  } else {
-    lack(m, {&Metrics::joint_margin_min}, "the arm has no joint limits");
-  }
-  if (std::isfinite(run.joint_speed_share)) {
-    m.joint_speed_share_max = run.joint_speed_share;
-  } else {
-    lack(m, {&Metrics::joint_speed_share_max}, "the log holds no joint speed limits");
-  }
+  m.torque_saturated =
+      value_or(run.clipped.has_value(),
+               static_cast<double>(run.clipped.value_or(0)) / static_cast<double>(run.rows()),
+               "the log holds no torque terms");
+  m.joint_margin_min =
+      value_or(std::isfinite(run.joint_margin), run.joint_margin, "the arm has no joint limits");
+  m.joint_speed_share_max = value_or(std::isfinite(run.joint_speed_share), run.joint_speed_share,
+                                     "the log holds no joint speed limits");
 }
 
 void step_time(const RunData& run, Metrics& m) {

@@ -25,7 +25,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -75,7 +74,7 @@ struct Metrics {
   Metric torque_saturated, joint_margin_min, joint_speed_share_max;
   Metric step_time_p50, step_time_p99, step_time_p999, real_time_factor;
   std::map<std::string, int> not_drawn;        // findings of the pre-flight, by problem
-  std::map<std::string, double> not_drawn_mm;  // by reason (drawn_lengths.h)
+  std::map<std::string, double> not_drawn_mm;  // by reason (ending.h)
   Ending ending;                               // judged
   WallTimes wall;
 };

@@ -1,13 +1,15 @@
 #include "impedraw/page/page_json.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <fstream>
 #include <sstream>
 
+#include <meshoptimizer.h>
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
-
-#include "impedraw/metrics/promise.h"
 
 namespace impedraw {
 namespace {
@@ -59,6 +61,95 @@ Json arm_json(PackedColumns& columns, const PageContext& context,
                    {"meshes", std::move(meshes)}});
   }
   return out;
+}
+
+using Eigen::Vector3d;
+
+Vector3d area_normal(const std::vector<Vector3d>& vertices, unsigned a, unsigned b, unsigned c) {
+  return (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]);
+}
+
+// Collapsed edges leave triangles without an area, and slivers that fold over their neighbours:
+// they face away from the surface as it was at their corners, and are turned over. (Without them
+// there would be pinholes.)
+std::vector<unsigned> unfolded(const std::vector<Vector3d>& vertices,
+                               const std::vector<unsigned>& whole,
+                               const std::vector<unsigned>& thinned) {
+  std::vector<Vector3d> normals(vertices.size(), Vector3d::Zero());
+  for (std::size_t i = 0; i + 2 < whole.size(); i += 3) {
+    const Vector3d n = area_normal(vertices, whole[i], whole[i + 1], whole[i + 2]);
+    for (int k = 0; k < 3; ++k) normals[whole[i + k]] += n;
+  }
+  std::vector<unsigned> kept;
+  for (std::size_t i = 0; i + 2 < thinned.size(); i += 3) {
+    const unsigned a = thinned[i], b = thinned[i + 1], c = thinned[i + 2];
+    const Vector3d around =
+        normals[a].normalized() + normals[b].normalized() + normals[c].normalized();
+    const double faces = area_normal(vertices, a, b, c).dot(around);
+    if (faces > 0.0) kept.insert(kept.end(), {a, b, c});
+    if (faces < 0.0) kept.insert(kept.end(), {a, c, b});
+  }
+  return kept;
+}
+
+constexpr std::size_t kStride = 3 * sizeof(float);
+
+std::vector<float> floats_of(const std::vector<Vector3d>& vertices) {
+  std::vector<float> positions;
+  positions.reserve(3 * vertices.size());
+  for (const Vector3d& v : vertices)
+    for (int k = 0; k < 3; ++k) positions.push_back(static_cast<float>(v[k]));
+  return positions;
+}
+
+std::vector<unsigned> corners_of(const std::vector<Eigen::Vector3i>& triangles) {
+  std::vector<unsigned> corners;
+  corners.reserve(3 * triangles.size());
+  for (const Eigen::Vector3i& triangle : triangles)
+    for (int k = 0; k < 3; ++k) corners.push_back(static_cast<unsigned>(triangle[k]));
+  return corners;
+}
+
+// Leaves out the vertices that no triangle uses.
+PageMesh compacted(const std::vector<Vector3d>& vertices, const std::vector<unsigned>& corners,
+                   double error) {
+  PageMesh mesh;
+  mesh.error = error;
+  std::vector<int> place(vertices.size(), -1);
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    Eigen::Vector3i triangle;
+    for (int k = 0; k < 3; ++k) {
+      int& to = place[corners[i + k]];
+      if (to < 0) {
+        to = static_cast<int>(mesh.vertices.size());
+        mesh.vertices.push_back(vertices[corners[i + k]]);
+      }
+      triangle[k] = to;
+    }
+    mesh.triangles.push_back(triangle);
+  }
+  return mesh;
+}
+
+std::vector<std::int64_t> differences(const std::vector<std::int64_t>& k, int order) {
+  std::vector<std::int64_t> d = k;
+  for (int pass = 0; pass < order; ++pass)
+    for (std::size_t i = d.size(); i-- > 1;) d[i] -= d[i - 1];
+  return d;
+}
+
+std::uint64_t zigzag(std::int64_t d) {
+  return d < 0 ? 2 * static_cast<std::uint64_t>(-(d + 1)) + 1 : 2 * static_cast<std::uint64_t>(d);
+}
+
+double bits(const std::vector<std::int64_t>& d) {
+  double sum = 0.0;
+  for (const std::int64_t x : d) sum += static_cast<double>(std::bit_width(zigzag(x)));
+  return sum;
+}
+
+void put_uint32(std::string& bytes, std::uint32_t x) {
+  for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>((x >> shift) & 0xff);
 }
 
 }  // namespace
@@ -184,6 +275,102 @@ std::string text_of_file(const std::filesystem::path& path) {
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return text.str();
+}
+
+PageMesh page_mesh(const std::vector<Eigen::Vector3d>& vertices,
+                   const std::vector<Eigen::Vector3i>& triangles, std::size_t most) {
+  std::vector<unsigned> corners = corners_of(triangles);
+  double error = 0.0;
+  if (triangles.size() > most) {
+    const std::vector<float> positions = floats_of(vertices);
+    constexpr float kAnyError = 1e-2f;  // of the mesh's extent
+    const double scale = meshopt_simplifyScale(positions.data(), vertices.size(), kStride);
+    std::vector<unsigned> fewer(corners.size());
+    float relative = 0.0f;
+    std::size_t n = meshopt_simplify(fewer.data(), corners.data(), corners.size(), positions.data(),
+                                     vertices.size(), kStride, 3 * most, kAnyError,
+                                     meshopt_SimplifyLockBorder, &relative);
+    if (n > 6 * most)
+      n = meshopt_simplifySloppy(fewer.data(), corners.data(), corners.size(), positions.data(),
+                                 vertices.size(), kStride, 3 * most, 1.0f, &relative);
+    fewer.resize(n);
+    corners = unfolded(vertices, corners, fewer);
+    error = relative * scale;
+  }
+  // The order of triangles that deflates best is also the one that a graphics card likes best.
+  if (!corners.empty())
+    meshopt_optimizeVertexCache(corners.data(), corners.data(), corners.size(), vertices.size());
+  return compacted(vertices, corners, error);
+}
+
+std::vector<Eigen::Vector3i> coarse_triangles(const PageMesh& mesh, double off) {
+  const std::vector<unsigned> corners = corners_of(mesh.triangles);
+  const std::vector<float> positions = floats_of(mesh.vertices);
+  const double scale = meshopt_simplifyScale(positions.data(), mesh.vertices.size(), kStride);
+  if (corners.empty() || !(scale > 0.0)) return {};
+  std::vector<unsigned> fewer(corners.size());
+  fewer.resize(meshopt_simplify(fewer.data(), corners.data(), corners.size(), positions.data(),
+                                mesh.vertices.size(), kStride, 0, static_cast<float>(off / scale),
+                                meshopt_SimplifyLockBorder, nullptr));
+  fewer = unfolded(mesh.vertices, corners, fewer);
+  if (fewer.empty() || 3 * fewer.size() > 2 * corners.size()) return {};
+  meshopt_optimizeVertexCache(fewer.data(), fewer.data(), fewer.size(), mesh.vertices.size());
+  std::vector<Eigen::Vector3i> coarse;
+  for (std::size_t i = 0; i + 2 < fewer.size(); i += 3)
+    coarse.push_back(Eigen::Matrix<unsigned, 3, 1>(fewer.data() + i).cast<int>());
+  return coarse;
+}
+
+nlohmann::json PackedColumns::add(std::size_t n, const std::function<double(std::size_t)>& value,
+                                  double quantum) {
+  constexpr double kMost = 1e8;  // second differences then fit into 32 bits
+  std::vector<std::int64_t> k(n);
+  std::vector<std::uint32_t> runs;
+  bool in_values = true;
+  std::uint32_t run = 0;
+  std::int64_t last = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double v = value(i);
+    const bool is_value = std::isfinite(v);
+    if (is_value != in_values) runs.push_back(run), run = 0, in_values = is_value;
+    ++run;
+    if (is_value) last = std::llround(std::clamp(v / quantum, -kMost, kMost));
+    k[i] = last;
+  }
+  runs.push_back(run);
+
+  std::array<std::vector<std::int64_t>, 3> coded;
+  int order = 0;
+  for (int candidate = 0; candidate < 3; ++candidate) {
+    coded[candidate] = differences(k, candidate);
+    if (bits(coded[candidate]) < bits(coded[order])) order = candidate;
+  }
+  std::uint64_t most = 0;
+  for (const std::int64_t d : coded[order]) most = std::max(most, zigzag(d));
+  const int planes = std::max(1, (static_cast<int>(std::bit_width(most)) + 7) / 8);
+
+  nlohmann::json how = {
+      {"n", n}, {"quantum", quantum}, {"order", order}, {"planes", planes}, {"at", bytes_.size()}};
+  for (int plane = 0; plane < planes; ++plane)
+    for (const std::int64_t d : coded[order])
+      bytes_ += static_cast<char>((zigzag(d) >> (8 * plane)) & 0xff);
+  if (runs.size() > 1) {
+    how["runs"] = runs.size();
+    how["runs_at"] = bytes_.size();
+    for (const std::uint32_t length : runs) put_uint32(bytes_, length);
+  }
+  return how;
+}
+
+nlohmann::json PackedColumns::add(std::span<const double> values, double quantum) {
+  return add(
+      values.size(), [values](std::size_t i) { return values[i]; }, quantum);
+}
+
+nlohmann::json PackedColumns::add_bytes(const std::string& bytes) {
+  nlohmann::json how = {{"at", bytes_.size()}, {"bytes", bytes.size()}};
+  bytes_ += bytes;
+  return how;
 }
 
 }  // namespace impedraw

@@ -2,18 +2,59 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
 #include <nlohmann/json_fwd.hpp>
 
 #include "impedraw/log/log.h"
-#include "impedraw/page/packed_columns.h"
 #include "impedraw/page/page.h"
-#include "impedraw/page/page_mesh.h"
 
 namespace impedraw {
+
+// Columns of numbers for a page, small after deflate: quantised, coded as differences, and laid out
+// byte plane by byte plane. web/src/columns.ts reads them.
+//
+// Quantised    k_i = round(v_i / quantum); NaN and inf become gaps
+// Differences  of order 0, 1 or 2 of k, whichever is smallest; within a gap k repeats
+// Planes       zigzag(d) = 2d (d ≥ 0) or −2d − 1, as 1 to 4 bytes; all first bytes, then all second
+// Gaps         lengths of alternating runs, first one of values: uint32, little endian
+class PackedColumns {
+ public:
+  // Appends n values. Returns how to read them: {n, quantum, order, planes, at} and, with gaps,
+  // {runs, runs_at}. Errors are at most quantum/2; values beyond ±1e8 quanta are clamped.
+  nlohmann::json add(std::size_t n, const std::function<double(std::size_t)>& value,
+                     double quantum);
+  nlohmann::json add(std::span<const double> values, double quantum);
+
+  // Appends bytes as they are. Returns {at, bytes}.
+  nlohmann::json add_bytes(const std::string& bytes);
+
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+// A mesh with few enough triangles for a page.
+struct PageMesh {
+  std::vector<Eigen::Vector3d> vertices;   // some of those given
+  std::vector<Eigen::Vector3i> triangles;  // into `vertices`
+  double error = 0.0;  // largest distance to the mesh given, as the method estimates it [m]
+};
+
+// Leaves at most about `most` triangles, or all if there are fewer: edges are collapsed where that
+// changes the surface least (meshoptimizer); borders stay. A mesh that is still too large by then,
+// as one of many loose pieces, is merged on a grid.
+PageMesh page_mesh(const std::vector<Eigen::Vector3d>& vertices,
+                   const std::vector<Eigen::Vector3i>& triangles, std::size_t most);
+
+// Fewer triangles on the same vertices, within about `off` [m] of the mesh: what a renderer without
+// a graphics card draws. Empty where that saves less than a third of them.
+std::vector<Eigen::Vector3i> coarse_triangles(const PageMesh& mesh, double off);
 
 nlohmann::json points_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& points,
                            double quantum);

@@ -11,7 +11,6 @@
 #include "impedraw/log/log.h"
 #include "impedraw/log/replay_rows.h"
 #include "impedraw/metrics/statistics.h"
-#include "impedraw/page/packed_columns.h"
 #include "impedraw/page/page.h"
 #include "impedraw/page/page_json.h"
 

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "impedraw/metrics/statistics.h"
-#include "impedraw/report/decimate.h"
 #include "impedraw/report/relief.h"
+#include "impedraw/report/sheet.h"
 
 namespace impedraw {
 namespace {

@@ -6,10 +6,9 @@
 #include <map>
 #include <optional>
 
-#include "impedraw/canvas/half_edges.h"
+#include "impedraw/canvas/mesh_topology.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();

@@ -5,7 +5,6 @@
 #include "impedraw/common/minimum_jerk.h"
 
 namespace impedraw {
-
 namespace {
 
 // From a to b, at u of 0 to 1 of the time.

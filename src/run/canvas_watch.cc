@@ -4,7 +4,6 @@
 #include <utility>
 
 namespace impedraw {
-
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{1};

@@ -1,26 +1,16 @@
 #include "impedraw/run/control_loop.h"
 
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
-
 namespace impedraw {
-
 namespace {
 
 const char* name_of(WrenchReading wrench) {
-  switch (wrench) {
-    case WrenchReading::none:
-      return "no wrench";
-    case WrenchReading::sensor:
-      return "a sensor's reading";
-    case WrenchReading::tip:
-      return "the wrench at the tip";
-  }
-  return "?";
+  static constexpr const char* kNames[] = {"no wrench", "a sensor's reading",
+                                           "the wrench at the tip"};
+  return kNames[static_cast<std::size_t>(wrench)];
 }
 
 void require_fit(const ControlSetup& setup, int joints, const DriverInfo& driver) {

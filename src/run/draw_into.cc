@@ -10,28 +10,21 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
 #include "impedraw/common/input_file.h"
 #include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/files/durable_file.h"
-#include "impedraw/log/run_rows.h"
-#include "impedraw/run/folder_lock.h"
-#include "impedraw/run/groove.h"
 #include "impedraw/run/incident.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
-#include "impedraw/run/run_inputs.h"
 #include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/go_ahead.h"
-#include "impedraw/terminal/interrupt.h"
 #include "impedraw/terminal/progress.h"
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -24,7 +24,7 @@ struct Drawing {
 // results are made.
 //
 // make_driver: the arm that draws, given the posture at which it must stand [rad], and what it
-// resumes, if it does. simulated_run.h has the simulated one.
+// resumes, if it does. simulated_arm.h has the simulated one.
 using DriverMaker =
     std::function<std::unique_ptr<Driver>(const JointVector& start_q, const Resumption* resumed)>;
 Drawing draw_into(const std::filesystem::path& folder, const Experiment& experiment,

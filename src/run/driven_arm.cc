@@ -9,7 +9,6 @@
 #include "impedraw/terminal/clock.h"
 
 namespace impedraw {
-
 namespace {
 
 void count_status(const ControlStatus& status, double dt, std::map<std::string, double>* met) {

@@ -5,26 +5,56 @@
 #include <memory>
 #include <optional>
 
+#include "impedraw/control/impedance.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/log/log.h"
 #include "impedraw/run/canvas_watch.h"
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/cycle.h"
-#include "impedraw/run/damped_end.h"
-#include "impedraw/run/held_pen.h"
+#include "impedraw/run/driver.h"
 #include "impedraw/run/incident.h"
-#include "impedraw/run/ink_watch.h"
+#include "impedraw/run/motion_check.h"
 #include "impedraw/run/real_time.h"
+#include "impedraw/run/remaining.h"
 #include "impedraw/run/run.h"
 
 namespace impedraw {
+
+// The end of a run whose arm is not believed: −D v beyond gravity, as far as positions confirm v,
+// until the joints are calm, and for at most kDampTime. Zero beyond gravity follows. Sessions of
+// driven arms end likewise (drivers/arm_session.h).
+class DampedEnd {
+ public:
+  // v: confirmed [rad/s].
+  bool over(const JointVector& v) const noexcept {
+    return time_ >= kDampTime || v.cwiseAbs().maxCoeff() < kDampedSpeed;
+  }
+
+  // The torques of a cycle of dt [s] in place of the law's, with the gravity that `out` has from
+  // the last cycle. M: inertia at the posture [kg m²]; v: confirmed [rad/s]; most: limits [Nm].
+  void damp(const JointMatrix& M, const JointVector& v, const JointVector& most, double dt,
+            ImpedanceTorque* out) noexcept {
+    const JointVector gravity = out->terms.col(kGravity);
+    time_ += dt;
+    out->status = {};
+    out->mode = ContactMode::free;
+    out->push = 0.0;
+    out->terms.setZero();
+    out->terms.col(kGravity) = gravity;
+    out->terms.col(kImpedance) = -joint_damping(M).cwiseProduct(v);
+    out->tau = (out->terms.col(kImpedance) + gravity).cwiseMax(-most).cwiseMin(most);
+  }
+
+ private:
+  double time_ = 0.0;  // [s]
+};
 
 // The law that makes the torque of a cycle.
 struct Law {
   enum class Kind {
     follow,  // the plan
     brake,   // damp the motion, and move the tip at v_WD (ImpedanceController::brake)
-    damp,    // damp the joints' speed v alone (damped_end.h)
+    damp,    // damp the joints' speed v alone (driven_arm.h)
   } kind = Kind::follow;
   Eigen::Vector3d v_WD = Eigen::Vector3d::Zero();  // [m/s]
   JointVector v{};                                 // as far as positions confirm it [rad/s]

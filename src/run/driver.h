@@ -33,6 +33,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "impedraw/common/pose.h"
@@ -41,6 +42,15 @@
 #include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
+
+// The pen that the arm holds.
+struct HeldPen {
+  int number = -1;      // its place in the scenario's `pens`; -1: that of `pen`
+  double longer = 0.0;  // its tip beyond that of arm.urdf, along the pen, as far as is known [m]
+  double radius = 0.0;  // of its tip [m]
+  // Where the spot of `pen.check` is along its normal, in W; absent: not known yet [m].
+  std::optional<double> spot;
+};
 
 enum class WrenchReading {
   none,
@@ -132,7 +142,7 @@ class Driver {
 
   virtual const GroundTruth* truth() const noexcept { return nullptr; }
 
-  // A person has put in the pen of that number (held_pen.h): a simulator's own changes with it.
+  // A person has put in the pen of that number: a simulator's own changes with it.
   virtual void put_in(int /*number*/) noexcept {}
 
   // The true motion of a canvas that moves, at a time of this clock [s], to judge the controller

@@ -1,16 +1,13 @@
 #include "impedraw/run/executor.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
-#include "impedraw/common/minimum_jerk.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kLiftOffCanvas = 0.1;  // clear of a canvas that moves [m]
@@ -21,6 +18,8 @@ constexpr double kBump = 10.0;          // on a pen that is changed or checked, 
 PathSample in_air(const TipReference& reference, Phase phase) {
   return {reference, -1, std::nan(""), phase};
 }
+
+bool feels(const Experiment& e) { return e.control.impedance.wrench == WrenchFeedback::measured; }
 
 }  // namespace
 
@@ -360,6 +359,40 @@ void Executor::tell_wait(const char* what, double waited) const {
   const double dt = e_.control.impedance.timing.dt;
   if (!hooks_.progress || std::fmod(waited, kPollEvery * dt) >= dt) return;
   hooks_.progress({arm_.run_time(), 0, 0, 0.0, 0.0, 0.0, false, what, waited});
+}
+
+ArmMonitors::ArmMonitors(const Experiment& e, const Driver& driver, const RunHooks& hooks)
+    : driver_(driver),
+      hooks_(hooks),
+      tare_(e.plan.path_settings.start_hold, e.control.estimator.tare_time),
+      reading_(driver.info(), e.belief.arm.limits().speed, e.belief.arm.limits().torque,
+               e.scenario.arm.wrench_delay, feels(e)),
+      signs_(e.control.impedance, e.belief.arm.limits().torque),
+      fences_(e.scenario.fence, feels(e)),
+      speed_(e.belief.arm.limits().speed, e.belief.arm.joint_names()),
+      rattle_(e.control.impedance.stability_check.contact_stiffness_max,
+              e.belief.perception && feels(e)) {}
+
+Verdict ArmMonitors::judge(const Cycle& cycle, const Reaction& reaction, bool blocked) {
+  const Reaction::State state = reaction.state();
+  Verdict worst = worse(state_.judge(cycle, driver_.fault()), tare_.judge(cycle));
+  if (worst) return worst;
+  worst = reading_.judge(cycle);
+  if (worst || state == Reaction::State::damp) return worst;
+  worst = signs_.judge(cycle);
+  if (worst) return worst;
+  if (state != Reaction::State::halt) worst = emergency(cycle);
+  if (!worst) worst = fences_.judge(cycle);
+  if (!worst && !reaction.brakes()) worst = speed_.judge(cycle);
+  const Verdict rattle = rattle_.judge(cycle);
+  if (!blocked) worst = worse(worst, rattle);
+  return worse(worst, step_time_.judge(cycle));
+}
+
+Verdict ArmMonitors::emergency(const Cycle& cycle) const {
+  if (!hooks_.emergency || !hooks_.emergency()) return {};
+  return {Severity::halt,
+          fmt::format("emergency stop at t = {:.3f} s, by a person", cycle.run_time)};
 }
 
 }  // namespace impedraw

@@ -2,20 +2,101 @@
 // (reaction.h).
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 
-#include "impedraw/run/arm_monitors.h"
+#include "impedraw/common/minimum_jerk.h"
+#include "impedraw/common/pose.h"
+#include "impedraw/control/tip_reference.h"
+#include "impedraw/experiment/experiment.h"
 #include "impedraw/run/driven_arm.h"
-#include "impedraw/run/emergency_lift.h"
+#include "impedraw/run/driver.h"
 #include "impedraw/run/monitors/block_monitor.h"
 #include "impedraw/run/monitors/canvas_monitor.h"
+#include "impedraw/run/monitors/fence_monitor.h"
+#include "impedraw/run/monitors/rattle_monitor.h"
 #include "impedraw/run/monitors/reach_monitor.h"
+#include "impedraw/run/monitors/reading_monitor.h"
+#include "impedraw/run/monitors/sign_monitor.h"
+#include "impedraw/run/monitors/speed_monitor.h"
+#include "impedraw/run/monitors/state_monitor.h"
+#include "impedraw/run/monitors/step_time_monitor.h"
+#include "impedraw/run/monitors/tare_monitor.h"
 #include "impedraw/run/path_follower.h"
 #include "impedraw/run/reaction.h"
-#include "impedraw/run/second_chance.h"
+#include "impedraw/run/run.h"
 
 namespace impedraw {
+
+// The monitors of a driven arm, whatever it does.
+class ArmMonitors {
+ public:
+  ArmMonitors(const Experiment& experiment, const Driver& driver, const RunHooks& hooks);
+
+  // The worst verdict on a cycle. `blocked`: the pen is being lifted at a blocked place.
+  Verdict judge(const Cycle& cycle, const Reaction& reaction, bool blocked);
+
+  // The joints' speed, as far as the positions confirm it [rad/s].
+  JointVector confirmed_speed(const ArmState& state) const { return reading_.confirmed(state); }
+  TareMonitor& tare() { return tare_; }
+
+ private:
+  Verdict emergency(const Cycle& cycle) const;
+
+  const Driver& driver_;
+  const RunHooks& hooks_;
+  StateMonitor state_;
+  TareMonitor tare_;
+  ReadingMonitor reading_;
+  SignMonitor signs_;
+  FenceMonitor fences_;
+  SpeedMonitor speed_;
+  RattleMonitor rattle_;
+  StepTimeMonitor step_time_;
+};
+
+// The end of a run that cannot continue: the pen lifts off along the surface normal and stays up.
+class EmergencyLift {
+ public:
+  static constexpr double kDuration = 1.0;    // at least [s]
+  static constexpr double kHeight = 0.03;     // [m]
+  static constexpr double kMostSpeed = 0.35;  // [m/s]
+  static constexpr double kAside = 0.1;       // [s]
+
+  // Keeps the pen's axis as it is at X_WE. aside_W: how far the pen moves across n_W meanwhile, in
+  // the first kAside, while it has hardly risen [m].
+  EmergencyLift(double start, const Pose& X_WE, const Eigen::Vector3d& n_W, double height = kHeight,
+                const Eigen::Vector3d& aside_W = Eigen::Vector3d::Zero())
+      : start_(start),
+        height_(height),
+        duration_(std::max(kDuration, 1.875 * height / kMostSpeed)),
+        p_(X_WE.p),
+        n_(n_W),
+        aside_(aside_W),
+        axis_(-X_WE.R.col(2)) {}
+
+  double duration() const { return duration_; }
+  bool done(double t) const { return t >= start_ + duration_; }
+  // Way of the tip so far, along the normal [m].
+  double risen(const Eigen::Vector3d& p_WE) const { return n_.dot(p_WE - p_); }
+  // Minimum-jerk motion from rest to rest.
+  TipReference at(double t) const {
+    const MinimumJerk jerk =
+        MinimumJerk::at(std::clamp((t - start_) / duration_, 0.0, 1.0), duration_);
+    const MinimumJerk aside = MinimumJerk::at(std::clamp((t - start_) / kAside, 0.0, 1.0), kAside);
+    TipReference reference;
+    reference.n_WD = axis_;
+    reference.p_WD = p_ + height_ * jerk.share * n_ + aside.share * aside_;
+    reference.v_WD = height_ * jerk.rate * n_ + aside.rate * aside_;
+    reference.a_WD = height_ * jerk.change * n_ + aside.change * aside_;
+    return reference;
+  }
+
+ private:
+  double start_, height_, duration_;
+  Eigen::Vector3d p_, n_, aside_, axis_;
+};
 
 class Executor {
  public:

@@ -11,11 +11,54 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
-#include "impedraw/run/posture_holder.h"
+#include "impedraw/common/minimum_jerk.h"
+#include "impedraw/perception/rigid_fit.h"
 
 namespace impedraw {
-
 namespace {
+
+// Holds an arm by joint stiffness plus modelled gravity about the posture in which it stands, or a
+// posture near it.
+class PostureHolder {
+ public:
+  // delay: the longest that the loop may have [s]. A light joint gets less stiffness: through the
+  // delay it would oscillate.
+  PostureHolder(const ArmModel& arm, Driver& driver, double delay)
+      : arm_(arm), driver_(driver), terms_(arm.joints()), state_(&driver.read()), q0_(state_->q) {
+    arm_.compute(q0_, state_->v, &terms_);
+    const JointMatrix inverse =
+        terms_.M.ldlt().solve(JointMatrix::Identity(terms_.M.rows(), terms_.M.cols()));
+    const JointVector inertia = inverse.diagonal().cwiseInverse();
+    const double bandwidth = kPhase / delay;
+    stiffness_ = (bandwidth * bandwidth * inertia).cwiseMin(kMostStiffness);
+    damping_ = 1.4 * stiffness_.cwiseProduct(inertia).cwiseSqrt();
+  }
+
+  // One cycle towards (q_d, v_d), with a torque added. Returns what was commanded beyond gravity.
+  JointVector step(const JointVector& q_d, const JointVector& v_d, const JointVector& added) {
+    arm_.compute(state_->q, state_->v, &terms_);
+    JointVector tau =
+        stiffness_.cwiseProduct(q_d - state_->q) + damping_.cwiseProduct(v_d - state_->v) + added;
+    tau = tau.cwiseMin(arm_.limits().torque).cwiseMax(-arm_.limits().torque);
+    driver_.command(terms_.g + tau, terms_.g);
+    state_ = &driver_.read();
+    if (!driver_.fault().empty()) throw std::runtime_error(driver_.fault());
+    return tau;
+  }
+  const JointVector& start() const { return q0_; }
+  const ArmState& state() const { return *state_; }
+  const ArmTerms& terms() const { return terms_; }
+
+ private:
+  static constexpr double kMostStiffness = 300.0;  // of each joint [Nm/rad]
+  static constexpr double kPhase = 0.35;  // bandwidth of a joint's stiffness times the loop's delay
+
+  ArmModel arm_;
+  Driver& driver_;
+  ArmTerms terms_;
+  const ArmState* state_;
+  JointVector q0_, stiffness_, damping_;
+};
 
 constexpr double kSweep = 0.2;                          // to each side of the start [rad]
 constexpr std::array<double, 2> kSpeeds = {0.15, 0.4};  // [rad/s]
@@ -120,6 +163,46 @@ class Motion {
   int j_;
   std::vector<Sample> samples_;
 };
+
+constexpr double kMoveTime = 1.5;  // from pose to pose [s]
+constexpr double kDelay = 5e-3;    // the longest that the loop may have [s]
+constexpr double kTurn = 1.0;      // of each wrist joint from the start posture, at most [rad]
+constexpr double kAtRest = 0.05;   // joint speed [rad/s]
+
+// Orientations spread over the ball of wrist turns: a low-discrepancy sequence (Roberts' R3), so
+// that any number of poses is well placed.
+Eigen::Vector3d wrist_turn(int i) {
+  const Eigen::Vector3d step(0.8191725134, 0.6710436067, 0.5497004779);
+  Eigen::Vector3d x = 0.5 * Eigen::Vector3d::Ones() + i * step;
+  for (double& c : x) c = 2.0 * (c - std::floor(c)) - 1.0;
+  return kTurn * x;
+}
+
+// From rest to rest, then still for `rest` seconds; the mean reading over the last half of them.
+Vector6 move(PostureHolder& holder, double dt, const JointVector& from, const JointVector& to,
+             double rest) {
+  Vector6 sum = Vector6::Zero();
+  int count = 0;
+  const long moving = std::lround(kMoveTime / dt), steps = moving + std::lround(rest / dt),
+             averaging = steps - std::lround(0.5 * rest / dt);
+  for (long k = 0; k < steps; ++k) {
+    const MinimumJerk jerk =
+        MinimumJerk::at(std::min(1.0, static_cast<double>(k) / moving), kMoveTime);
+    const JointVector way = to - from;
+    if (k >= averaging) {
+      sum += holder.state().wrench;
+      ++count;
+    }
+    holder.step(from + jerk.share * way, jerk.rate * way, JointVector::Zero(way.size()));
+  }
+  return sum / count;
+}
+
+JointVector within_range(const JointVector& q, const ArmLimits& limits) {
+  const JointVector margin = JointVector::Constant(q.size(), 0.1);
+  return q.cwiseMax(JointVector(limits.lower) + margin)
+      .cwiseMin(JointVector(limits.upper) - margin);
+}
 
 }  // namespace
 
@@ -269,6 +352,68 @@ std::vector<JointFriction> identify_friction(const ArmModel& arm, Driver& driver
           name, f.coulomb, f.viscous, most));
   }
   return found;
+}
+
+ToolCalibration calibrate_tool(const Experiment& e, Driver& driver, int poses, double rest) {
+  if (driver.info().wrench != WrenchReading::sensor)
+    throw InputError("control.wrench: there is no sensor to read; valid are sensor, realistic");
+  ArmModel arm = e.belief.arm;
+  if (arm.joints() < 3)
+    throw InputError(fmt::format("arm.urdf: {} joints cannot turn the tool; at least 3 are needed",
+                                 arm.joints()));
+  const StartedDriver started(driver);
+  PostureHolder holder(arm, driver, kDelay);
+
+  ToolCalibration calibration;
+  JointVector from = e.belief.start_q;
+  for (int i = 0; i < poses; ++i) {
+    JointVector to = e.belief.start_q;
+    to.tail<3>() += wrist_turn(i);
+    to = within_range(to, arm.limits());
+    const Vector6 reading = move(holder, driver.info().period, from, to, rest);
+    if (holder.state().v.cwiseAbs().maxCoeff() > kAtRest)
+      throw std::runtime_error(fmt::format(
+          "pose {} of {}: the arm did not come to rest within {:.1f} s", i + 1, poses, rest));
+    calibration.poses.push_back({arm.tip_pose(holder.state().q).R, reading});
+    from = to;
+  }
+  calibration.found = identify_tool(calibration.poses, {0.0, 0.0, -e.scenario.world.gravity});
+  return calibration;
+}
+
+using Eigen::Vector3d;
+
+Vector3d centre_of(const FiducialSettings& fiducials) {
+  Vector3d centre = Vector3d::Zero();
+  for (const Fiducial& mark : fiducials.points)
+    centre += mark.p_K / static_cast<double>(fiducials.points.size());
+  return centre;
+}
+
+std::vector<StampedPoint> watch_marks(const ArmModel& arm, Driver& driver,
+                                      const FiducialSettings& fiducials, double seconds) {
+  constexpr double kLeastSpread = 5e-3;  // of marks beside a line [m]
+  const Vector3d centre = centre_of(fiducials);
+  const StartedDriver started(driver);
+  PostureHolder holder(arm, driver, kMostSteps * driver.info().period);
+  const JointVector zero = JointVector::Zero(arm.joints());
+  std::vector<StampedPoint> seen;
+  std::vector<Vector3d> p_K, p_W;
+  while (holder.state().time < seconds) {
+    for (CanvasFrame frame; driver.next_frame(&frame);) {
+      p_K.clear();
+      p_W.clear();
+      for (const FoundMark& found : frame.found()) {
+        if (found.mark < 0 || found.mark >= static_cast<int>(fiducials.points.size())) continue;
+        p_K.push_back(fiducials.points[static_cast<std::size_t>(found.mark)].p_K);
+        p_W.push_back(found.p_W);
+      }
+      if (p_K.size() < 3 || spread_beside_line(p_K) < kLeastSpread) continue;
+      seen.push_back({frame.time, holder.state().time, fit_rigid(p_K, p_W).X_WK * centre});
+    }
+    holder.step(holder.start(), zero, zero);
+  }
+  return seen;
 }
 
 }  // namespace impedraw

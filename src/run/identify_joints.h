@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "impedraw/arm/arm_model.h"
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/perception/camera_latency.h"
 #include "impedraw/run/driver.h"
+#include "impedraw/sensing/tool_identification.h"
 
 namespace impedraw {
 
@@ -39,5 +42,30 @@ struct JointFriction {
 // room, or if its friction would be negative beyond the residual or above a third of its torque
 // limit.
 std::vector<JointFriction> identify_friction(const ArmModel& arm, Driver& driver, double delay);
+
+// Identifies mass and centre of mass of the tool on the wrench sensor. The arm holds the tool still
+// in several orientations in the air.
+struct ToolCalibration {
+  ToolIdentification found;
+  std::vector<StaticReading> poses;
+};
+
+// Moves the driver's arm from the experiment's start posture through `poses` orientations, by
+// turning its last three joints about the start posture. Rests `rest` seconds [s] in each and
+// averages the reading over the last half. Joint stiffness plus modelled gravity hold the arm: it
+// must come to rest, but where matters little. Throws InputError if the experiment has no sensor or
+// the joint ranges leave no room.
+ToolCalibration calibrate_tool(const Experiment& experiment, Driver& driver, int poses = 8,
+                               double rest = 1.0);
+
+// The frames' record of the canvas's marks while the arm stands still, to find the cameras'
+// latency by a motion that is known (perception/camera_latency.h).
+
+// The marks' centre in each frame in which three and more of them were found. Throws
+// std::runtime_error on a fault of the driver.
+std::vector<StampedPoint> watch_marks(const ArmModel& arm, Driver& driver,
+                                      const FiducialSettings& fiducials, double seconds);
+// The centre that they tell, in K [m].
+Eigen::Vector3d centre_of(const FiducialSettings& fiducials);
 
 }  // namespace impedraw

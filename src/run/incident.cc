@@ -10,7 +10,6 @@
 #include "impedraw/files/durable_file.h"
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kWidth = 820.0, kHeight = 120.0, kLeft = 60.0,

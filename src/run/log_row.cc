@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "impedraw/ink/ink_lines.h"
-#include "impedraw/log/log_step.h"
-#include "impedraw/run/run_inputs.h"
+#include "impedraw/run/run_folder.h"
 
 namespace impedraw {
 

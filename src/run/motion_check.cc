@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kFastest = 3.0, kJump = 0.01;  // of v_max; [rad]
@@ -34,6 +34,12 @@ std::string races(const MotionReading& now, const MotionLimits& limits,
     return {};
   return fmt::format("joint {} turns at {:.2f} rad/s, which its positions contradict", j + 1, v);
 }
+
+constexpr double kApart = 8e-3, kLag = 0.03, kUsual = 5e-3, kForget = 1;      // [rad], [s]
+constexpr double kUnmoved = 0.15, kStill = 1e-4, kAsked = 0.1, kHeld = 0.02;  // [s], [rad], share
+constexpr double kSame = 8e-3, kSameReadings = 3, kFrozen = 1e-4;             // [s], –, [rad]
+constexpr double kFriction = 0.02, kLeastFriction = 1.5;                      // share, [Nm]
+constexpr double kBeside = 0.05, kMostBeside = 1e-3;                          // [s], [rad]
 
 }  // namespace
 
@@ -78,6 +84,128 @@ JointVector MotionCheck::confirmed(const JointVector& v) const noexcept {
 JointVector joint_damping(const JointMatrix& M, double T) {
   const JointMatrix inverse = M.ldlt().solve(JointMatrix::Identity(M.rows(), M.cols()));
   return (T * inverse.diagonal().array()).inverse().matrix();
+}
+
+std::string SpeedsBesidePositions::update(const MotionReading& now, const MotionLimits& limits) {
+  if (!now.v) return {};
+  const double kept = std::exp(-now.dt / kForget);
+  apart_ = kept * (apart_ + now.moved - 0.5 * now.dt * (*now.v + *now.v_before));
+  fastest_ = (kept * fastest_).cwiseMax(now.v->cwiseAbs()).cwiseMin(limits.speed);
+  Eigen::Index j = 0;
+  const double late = kLag + std::max(0.0, now.dt - kUsual);
+  if ((apart_.array().abs() / (kApart + late * fastest_.array())).maxCoeff(&j) <= 1.0) return {};
+  return fmt::format(
+      "the positions of joint {} contradict its speed: they are {:.3f} rad away from where it led, "
+      "and it is {:.2f} rad/s",
+      j + 1, apart_[j], (*now.v)[j]);
+}
+
+ReadingsThatStand::ReadingsThatStand(int joints)
+    : still_{JointVector::Zero(joints), JointVector::Zero(joints)},
+      steady_(still_),
+      beside_(still_.time),
+      grain_(JointVector::Constant(joints, std::numeric_limits<double>::infinity())),
+      stopped_(beside_),
+      torque_(beside_),
+      external_(beside_) {
+  speeds_.fill(beside_);
+}
+
+void ReadingsThatStand::Same::update(Eigen::Index j, bool same, double dt) noexcept {
+  time[j] = same ? time[j] + dt : 0.0;
+  readings[j] = same ? readings[j] + 1.0 : 0.0;
+}
+
+JointVector ReadingsThatStand::Same::lasts() const {
+  return (time.array() >= kSame && readings.array() >= kSameReadings).cast<double>();
+}
+
+std::string ReadingsThatStand::update(const MotionReading& now, const MotionLimits& limits) {
+  for (Eigen::Index j = 0; j < now.moved.size(); ++j) {
+    const bool steady = now.v && (*now.v)[j] == (*now.v_before)[j];
+    steady_.update(j, steady, now.dt);
+    beside_[j] = steady ? std::exp(-now.dt / kBeside) *
+                              (beside_[j] + now.moved[j] - (*now.v_before)[j] * now.dt)
+                        : 0.0;
+    still_.update(j, now.moved[j] == 0.0, now.dt);
+    if (now.moved[j] == 0.0) continue;
+    grain_[j] = std::min(grain_[j], std::abs(now.moved[j]));
+    stopped_[j] = 0.0;
+  }
+  update_stops(now, limits);
+  Eigen::Index j = 0;
+  const JointVector still = still_.lasts(), steady = steady_.lasts();
+  if (now.v && (still.array() * steady.array() * still_.time.cwiseMin(steady_.time).array() *
+                now.v->array().abs())
+                       .maxCoeff(&j) > kFrozen)
+    return fmt::format(
+        "joint {} turns at {:.3f} rad/s, but its position has not changed for {:.0f} ms", j + 1,
+        (*now.v)[j], 1e3 * still_.time[j]);
+  if (steady.cwiseProduct(beside_).cwiseAbs().maxCoeff(&j) > kMostBeside)
+    return fmt::format(
+        "the speed of joint {} has been {:.3f} rad/s for {:.0f} ms, which its positions contradict",
+        j + 1, (*now.v)[j], 1e3 * steady_.time[j]);
+  if (still.cwiseProduct(stopped_).cwiseAbs().maxCoeff(&j) > 0.0)
+    return fmt::format(
+        "the arm does not move, although joint {} turned at {:.3f} rad/s and no torque stopped it: "
+        "brakes, or positions that stand still",
+        j + 1, stopped_[j]);
+  return {};
+}
+
+void ReadingsThatStand::update_stops(const MotionReading& now, const MotionLimits& limits) {
+  const std::size_t n = speeds_.size();
+  JointVector stops = JointVector::Zero(now.moved.size());
+  for (Eigen::Index j = 0; j < stops.size(); ++j) {
+    if (still_.readings[j] != 1.0) continue;
+    double least =
+        2.0 * speeds_[(oldest_ + n - 1) % n][j] - speeds_[(oldest_ + n - 2) % n][j];  // goes on
+    for (const JointVector& speed : speeds_) {
+      if (speed[j] * least <= 0.0) least = 0.0;
+      if (std::abs(speed[j]) < std::abs(least)) least = speed[j];
+    }
+    const double rounding = std::min(std::abs(least), 2.0 * grain_[j] / now.dt);
+    stops[j] = least - std::copysign(rounding, least);
+  }
+  if (now.M && now.M->allFinite() && !stops.isZero(0.0)) {
+    const auto needed = now.M->lazyProduct(stops).cwiseAbs() / now.dt;
+    const auto changed = (now.torque - torque_).cwiseAbs() + (now.external - external_).cwiseAbs();
+    const auto friction = (kFriction * limits.torque).cwiseMax(kLeastFriction);
+    if ((needed - changed - friction).maxCoeff() > 0.0)
+      stopped_ = (stops.array() != 0.0).select(stops, stopped_);
+  }
+  torque_ = now.torque;
+  external_ = now.external;
+  speeds_[oldest_] = now.moved / now.dt;
+  oldest_ = (oldest_ + 1) % n;
+}
+
+std::string TorquesThatMoveNothing::update(const MotionReading& now, const MotionLimits& limits) {
+  if ((now.q - place_).cwiseAbs().maxCoeff() > kStill) {
+    place_ = now.q;
+    unmoved_ = 0.0;
+  }
+  const JointVector shares =
+      (now.torque.cwiseAbs() - now.external.cwiseAbs()).cwiseQuotient(limits.torque);
+  if (!shares.allFinite()) return {};
+  unmoved_ = std::max(0.0, unmoved_ + (shares.maxCoeff() - kAsked) * now.dt);
+  for (Eigen::Index j = 0; j < held_.size(); ++j)
+    if (now.moved[j] != 0.0)
+      held_[j] = 0.0;
+    else if (held_[j] >= 0.0)
+      held_[j] = std::max(0.0, held_[j] + (shares[j] - kAsked) * now.dt);
+  Eigen::Index j = 0;
+  if (held_.maxCoeff(&j) > kHeld)
+    return fmt::format(
+        "joint {} does not move by a bit, although its torque asks it to: a brake, a wall, or a "
+        "position that stands still",
+        j + 1);
+  if (unmoved_ > kUnmoved)
+    return fmt::format(
+        "the arm does not move, although {:.0f} % of a joint's largest torque ask it to: brakes, a "
+        "wall, or positions that stand still",
+        1e2 * shares.maxCoeff());
+  return {};
 }
 
 }  // namespace impedraw

@@ -2,19 +2,71 @@
 // follow (plan_clock.h).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <vector>
 
+#include "impedraw/arm/arm_model.h"
 #include "impedraw/experiment/experiment.h"
+#include "impedraw/planning/path/tip_path.h"
 #include "impedraw/run/cycle.h"
 #include "impedraw/run/drawing_task.h"
 #include "impedraw/run/driven_arm.h"
-#include "impedraw/run/joint_forecast.h"
-#include "impedraw/run/odometer.h"
 #include "impedraw/run/plan_clock.h"
 #include "impedraw/run/run.h"
 
 namespace impedraw {
+
+// Forecast of the joints' speeds along a planned path, as a limit on the plan's clock.
+//
+// The planner times strokes by the joints' limits (joint_rates.h), but the ways between strokes by
+// tip speed and turning alone: near a singular posture a slow turn of the pen is a fast one of two
+// joints. Before the path is followed, the postures along it are integrated with the least kinetic
+// energy, as under the controller. Where a joint would exceed `share` of its speed limit, the clock
+// may run at most so fast that it does not.
+class JointForecast {
+ public:
+  JointForecast() = default;
+  // From posture q at the beginning of the path. rest_q: the null space's.
+  JointForecast(ArmModel arm, const TipPath& path, const JointVector& q, const JointVector& rest_q,
+                double share);
+
+  // Greatest rate of the clock at the plan's time t, 0 … 1: the least from t to kAhead later.
+  double limit(double t) const noexcept;
+
+ private:
+  static constexpr double kStep = 0.02, kAhead = 0.3;  // [s]
+  std::vector<float> limits_;
+};
+
+// Measures progress along a path: strokes begun and pen-down length drawn.
+class Odometer {
+ public:
+  explicit Odometer(const TipPath& path) : path_(path), before_(1, 0.0) {
+    for (const StrokeTimes& s : path.strokes()) before_.push_back(before_.back() + s.length);
+  }
+  void read(double t, RunProgress* progress) const {
+    const auto& strokes = path_.strokes();
+    const auto begun =
+        std::upper_bound(strokes.begin(), strokes.end(), t,
+                         [](double at, const StrokeTimes& s) { return at < s.approach; });
+    const auto i = static_cast<std::size_t>(begun - strokes.begin());
+    progress->stroke = static_cast<int>(i);
+    progress->strokes = static_cast<int>(strokes.size());
+    progress->length = before_.back();
+    progress->drawn = before_[i];
+    if (i == 0) return;
+    const StrokeTimes& s = strokes[i - 1];
+    const double share = s.end > s.start ? std::clamp((t - s.start) / (s.end - s.start), 0.0, 1.0)
+                                         : (t >= s.end ? 1.0 : 0.0);
+    progress->drawn -= (1.0 - share) * s.length;
+  }
+
+ private:
+  const TipPath& path_;
+  std::vector<double> before_;  // [m]
+};
 
 class PathFollower {
  public:

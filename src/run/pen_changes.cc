@@ -6,10 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/run/remaining.h"
-
 namespace impedraw {
-
 namespace {
 
 constexpr double kAbove = 0.03;     // of the spot, where the way down begins [m]

@@ -19,7 +19,7 @@
 
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/run/drawing_task.h"
-#include "impedraw/run/held_pen.h"
+#include "impedraw/run/driver.h"
 
 namespace impedraw {
 

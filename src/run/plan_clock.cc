@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kRiseFilter = 0.01;  // time constant [s]

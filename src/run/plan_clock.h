@@ -47,7 +47,7 @@ struct PenDeviation {
   double tilt = 0.0;          // [rad]
   double force = 0.0;         // share
   double joint = 0.0;         // share
-  double limit = 1.0;         // greatest rate that the joints allow (joint_forecast.h)
+  double limit = 1.0;         // greatest rate that the joints allow (path_follower.h)
   bool waits = false;         // for contact at a stroke's first point
   double normal_speed = 0.0;  // tip speed along the normal [m/s]
   bool paused = false;        // by a user: the clock stands, and no patience is lost

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 namespace impedraw {
-
 namespace {
 
 constexpr std::size_t kStack = 256 * 1024;  // touched in advance [bytes]

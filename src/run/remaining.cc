@@ -1,10 +1,6 @@
 #include "impedraw/run/remaining.h"
 
-#include <algorithm>
-#include <cstddef>
 #include <utility>
-
-#include "impedraw/experiment/plan.h"
 
 namespace impedraw {
 

@@ -1,7 +1,7 @@
 // The control loop: follows an experiment's path with the arm of a driver (driver.h) and logs every
 // step.
 //
-// After the last stroke, parts without ink by the arm's own signals (ink_watch.h) are redrawn once.
+// After the last stroke, parts without ink by the arm's own signals (remaining.h) are redrawn once.
 // Parts that still have no ink are reported.
 //
 // A run lifts the pen before it ends if it is interrupted or its control steps come too late. It
@@ -21,8 +21,6 @@
 #include "impedraw/metrics/ending.h"
 #include "impedraw/run/drawing_task.h"
 #include "impedraw/run/driver.h"
-#include "impedraw/run/held_pen.h"
-#include "impedraw/run/ink_watch.h"
 #include "impedraw/run/remaining.h"
 #include "impedraw/simulation/world_settings.h"
 
@@ -125,7 +123,7 @@ std::optional<Resumption> read_resumption(const Experiment& experiment,
                                           const std::filesystem::path& log_file);
 
 // Returns true if the pen writes, by contact state and measured force along the estimated normal
-// [N] (ink_watch.h). push: force asked for; 0 where the law has none [N].
+// [N] (remaining.h). push: force asked for; 0 where the law has none [N].
 bool writes(const Experiment& experiment, ContactMode mode, double normal_force, double push);
 
 // Runs the experiment. The arm must be at the beginning of the plan's path, or at the last posture

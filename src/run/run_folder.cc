@@ -1,19 +1,23 @@
 #include "impedraw/run/run_folder.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <ctime>
 #include <initializer_list>
-#include <vector>
+#include <thread>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/files/durable_file.h"
-#include "impedraw/log/log.h"
-#include "impedraw/run/folder_lock.h"
+#include "impedraw/settings/yaml_write.h"
 
 namespace impedraw {
 
@@ -51,6 +55,50 @@ void require_folder(const fs::path& folder, std::initializer_list<const char*> m
       "contains files but no {0}; name a new or an empty folder, or one that contains a {0}",
       kind));
 }
+
+// Closes the lock's file and throws.
+[[noreturn]] void refuse_held(const fs::path& folder, int file) {
+  std::array<char, 256> text{};
+  const ssize_t n = pread(file, text.data(), text.size(), 0);
+  std::string holder(text.data(), n > 0 ? static_cast<std::size_t>(n) : 0);
+  while (!holder.empty() && holder.back() == '\n') holder.pop_back();
+  close(file);
+  throw InputError(
+      fmt::format("{}: {} writes there; wait until it has ended, or name another folder with --out",
+                  folder.string(), holder.empty() ? "another process" : holder));
+}
+
+// Returns false if another process holds the lock. A file system without locks has no other
+// process either, as far as anyone can tell.
+bool try_lock(int file, int kind) {
+  return flock(file, kind | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+
+std::string this_process() {
+  std::array<char, 256> host{};
+  gethostname(host.data(), host.size() - 1);
+  const std::time_t now = std::time(nullptr);
+  return fmt::format("process {} on {} since {:%Y-%m-%d %H:%M:%S} UTC\n", getpid(), host.data(),
+                     fmt::gmtime(now));
+}
+
+constexpr const char* kSettings = "settings";
+constexpr const char* kInputs = "inputs";
+
+// In inputs/. Two inputs may have the same name in different folders.
+std::string name_of(const std::vector<KeptInput>& inputs, const KeptInput& input) {
+  const std::string name = input.file.filename().string();
+  for (const KeptInput& earlier : inputs) {
+    if (&earlier == &input) break;
+    if (earlier.file.filename() == input.file.filename()) return input.setting + "-" + name;
+  }
+  return name;
+}
+
+struct Recorded {
+  std::string sha256;
+  fs::path copy;
+};
 
 }  // namespace
 
@@ -116,6 +164,100 @@ void make_folder(const fs::path& folder) {
     throw InputError(fmt::format("--out {}: cannot be made: {}", folder.string(), error.message()));
   for (const fs::path& one : made) sync_folder(one.parent_path());
   remove_unfinished(folder);  // of a command that was killed
+}
+
+FolderLock::FolderLock(const fs::path& folder) {
+  const fs::path path = folder / kLockFile;
+  file_ = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (file_ < 0)
+    throw InputError(fmt::format("{}: cannot be locked: {}", path.string(),
+                                 errno == ELOOP ? "it is a symbolic link" : std::strerror(errno)));
+  // require_free() of another process holds the lock for an instant.
+  for (int i = 0; !try_lock(file_, LOCK_EX); ++i) {
+    if (i == 5) refuse_held(folder, file_);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  const std::string text = this_process();
+  if (ftruncate(file_, 0) != 0 || pwrite(file_, text.data(), text.size(), 0) < 0) {
+    // A full disk: the lock holds without a name.
+  }
+}
+
+FolderLock::~FolderLock() { close(file_); }
+
+void FolderLock::require_free(const fs::path& folder) {
+  const int file = open((folder / kLockFile).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+  if (file < 0) return;
+  if (!try_lock(file, LOCK_SH)) refuse_held(folder, file);
+  close(file);
+}
+
+std::map<std::string, std::string> record_of(const Scenario& scenario,
+                                             const std::vector<KeptInput>& inputs) {
+  std::map<std::string, std::string> record = {{kSettings, settings_yaml(scenario)}};
+  for (const KeptInput& input : inputs)
+    record["input " + input.setting] = input.sha256 + " " + name_of(inputs, input);
+  return record;
+}
+
+void write_inputs(const fs::path& folder, const Scenario& scenario,
+                  const std::vector<KeptInput>& inputs) {
+  write_whole(folder / "scenario.yaml", settings_yaml(scenario));
+  const fs::path copies = folder / kInputs;
+  std::error_code error;
+  const fs::file_type type = fs::symlink_status(copies, error).type();
+  if (type != fs::file_type::not_found && type != fs::file_type::directory)
+    throw InputError(fmt::format("{}: is a link or a file; a folder is needed", copies.string()));
+  make_folder(copies);
+  for (const KeptInput& input : inputs) write_whole(copies / name_of(inputs, input), input.content);
+}
+
+Scenario recorded_scenario(const fs::path& folder, Places* places) {
+  Scenario scenario;
+  const fs::path file = folder / "scenario.yaml";
+  const auto attributes = log_attributes(folder / "run.h5");
+  if (const auto settings = attributes.find(kSettings); settings != attributes.end()) {
+    read_yaml_text(settings->second, (folder / "run.h5").string(), folder, described(scenario),
+                   *places);
+  } else {
+    *places = read_settings(scenario, file);
+  }
+  return scenario;
+}
+
+void find_inputs(Scenario* scenario, const fs::path& folder, InputsFrom from) {
+  std::map<std::string, Recorded> recorded;
+  for (const auto& [key, text] : log_attributes(folder / "run.h5")) {
+    if (!key.starts_with("input ") || text.size() < 66) continue;
+    // Only a name: a log is no reason to read a file elsewhere.
+    recorded[key.substr(6)] = {text.substr(0, 64),
+                               folder / kInputs / fs::path(text.substr(65)).filename()};
+  }
+  const bool urdf_given = !scenario->arm.urdf.empty();
+  bool urdf_moved = false;
+  visit_input_files(*scenario, [&](const std::string& setting, fs::path& file) {
+    const auto found = recorded.find(setting);
+    if (found == recorded.end()) return;
+    const auto& [hash, copy] = found->second;
+    const bool copied = is_own_file(copy);
+    std::error_code error;
+    const bool there = fs::exists(file, error);
+    const fs::path taken = from == InputsFrom::originals ? (there || !copied ? file : copy)
+                                                         : (copied || !there ? copy : file);
+    if (sha256_of_file(taken) != hash)
+      throw InputError(
+          from == InputsFrom::originals
+              ? fmt::format(
+                    "--resume: {} ({}) is not the file that the run in {} was started with{}; "
+                    "draw the changed one into a new folder",
+                    taken.string(), setting, folder.string(),
+                    copied && taken != copy ? ", of which " + copy.string() + " is a copy" : "")
+              : fmt::format("{} ({}) is missing or not the file that the run in {} was made from",
+                            taken.string(), setting, folder.string()));
+    if (setting == "arm.urdf") urdf_moved = taken != file;
+    file = taken;
+  });
+  if (!urdf_given && !urdf_moved) scenario->arm.urdf.clear();
 }
 
 }  // namespace impedraw

@@ -10,7 +10,6 @@
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
-
 namespace {
 
 std::atomic<bool> signalled = false;

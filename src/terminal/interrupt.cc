@@ -7,7 +7,6 @@
 #include <cassert>
 
 namespace impedraw {
-
 namespace {
 
 // Lock-free, so a signal handler may write it, and any thread may read it.

@@ -8,7 +8,6 @@
 #include <cmath>
 
 namespace impedraw {
-
 namespace {
 
 constexpr auto pause = std::chrono::milliseconds(100);

@@ -9,9 +9,17 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/printable.h"
-#include "impedraw/terminal/called.h"
 
 namespace impedraw {
+
+// How the program was called. Texts name the command as a source tree has it, ./impedraw; what is
+// printed names it as it was called.
+
+// "impedraw" where it is installed. Before anything is printed; not thread-safe.
+void set_command(const std::string& command);
+
+// The text with the command as it was called.
+std::string as_called(std::string text);
 
 template <class... Args>
 void say(std::FILE* out, fmt::format_string<Args...> format, Args&&... args) {

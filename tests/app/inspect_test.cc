@@ -1,5 +1,5 @@
 // What inspect says of artwork, against what the file was made of.
-#include "impedraw/app/inspect.h"
+#include "impedraw/app/commands.h"
 
 #include <cmath>
 #include <fstream>

@@ -5,7 +5,7 @@
 
 #include "canvas/mesh_checks.h"
 #include "canvas/mesh_files.h"
-#include "impedraw/app/inspect.h"
+#include "impedraw/app/commands.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/canvas_settings.h"
 

@@ -1,5 +1,5 @@
 // Built-in rough canvases against their formulas: the slopes and lengths that were asked for.
-#include "impedraw/canvas/built_in_rough.h"
+#include "impedraw/canvas/built_in.h"
 
 #include <algorithm>
 #include <cmath>

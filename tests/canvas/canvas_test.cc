@@ -14,7 +14,6 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/canvas/built_in.h"
-#include "impedraw/canvas/built_in_rough.h"
 #include "impedraw/common/errors.h"
 
 namespace impedraw {

@@ -1,5 +1,5 @@
 // What lies outside of a box, against points drawn at random on the triangles.
-#include "impedraw/canvas/outside_box.h"
+#include "impedraw/canvas/mesh_facing.h"
 
 #include <algorithm>
 #include <cmath>

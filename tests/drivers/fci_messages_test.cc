@@ -1,6 +1,6 @@
 // The FCI's messages against bytes that franka-sim 1.1.7 packed (tests/data/franka_sim_state.bin,
 // which its RobotState made of the numbers below), and against the protocol's own layout.
-#include "impedraw/drivers/fci_messages.h"
+#include "impedraw/drivers/fci_link.h"
 
 #include <bit>
 #include <fstream>

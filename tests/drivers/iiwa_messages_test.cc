@@ -1,6 +1,6 @@
 // The codec against bytes that Drake 1.51.1 encoded (pydrake's lcmt_iiwa_*.encode()).
 // tests/foreign/drake compares with the running Drake.
-#include "impedraw/drivers/iiwa_messages.h"
+#include "impedraw/drivers/iiwa_lcm.h"
 
 #include <array>
 #include <string>

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/drawing/order.h"
-#include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/prepare.h"
 
 namespace impedraw {
 namespace {

@@ -13,7 +13,6 @@
 
 #include "impedraw/canvas/built_in.h"
 #include "impedraw/common/in_parallel.h"
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/experiment/prepare.h"

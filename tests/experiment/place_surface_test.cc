@@ -11,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/planning/preflight/place_search.h"
 #include "scratch_folder.h"

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/prepare.h"
 
 namespace impedraw {

@@ -10,7 +10,6 @@
 #include "../scratch_folder.h"
 #include "impedraw/canvas/built_in.h"
 #include "impedraw/common/errors.h"
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/prepare.h"
 
 namespace impedraw {

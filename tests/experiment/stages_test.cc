@@ -8,7 +8,6 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/roll_pitch_yaw.h"
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/prepare.h"
 
 namespace impedraw {

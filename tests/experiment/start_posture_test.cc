@@ -7,7 +7,6 @@
 
 #include "iiwa_variants.h"
 #include "impedraw/common/errors.h"
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/prepare.h"
 #include "scratch_folder.h"
 

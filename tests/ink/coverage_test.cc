@@ -1,4 +1,4 @@
-#include "impedraw/ink/coverage.h"
+#include "impedraw/ink/segments.h"
 
 #include <cmath>
 #include <random>

@@ -9,7 +9,7 @@
 #include <Eigen/SVD>
 
 #include "impedraw/arm/arm_model.h"
-#include "impedraw/judge/peer_laws.h"
+#include "impedraw/judge/force_trial.h"
 
 namespace impedraw {
 namespace {

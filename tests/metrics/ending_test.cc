@@ -1,11 +1,9 @@
 // How made-up runs end, and how much of them was drawn, by hand.
-#include "impedraw/metrics/ending.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "impedraw/metrics/drawn_lengths.h"
-#include "impedraw/metrics/promise.h"
+#include "impedraw/metrics/ending.h"
 #include "made_up_rows.h"
 
 namespace impedraw {

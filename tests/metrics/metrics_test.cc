@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "impedraw/metrics/ending.h"
 #include "impedraw/metrics/pens.h"
-#include "impedraw/metrics/promise.h"
 #include "impedraw/metrics/statistics.h"
 #include "made_up_rows.h"
 

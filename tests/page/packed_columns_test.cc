@@ -1,4 +1,4 @@
-#include "impedraw/page/packed_columns.h"
+#include "impedraw/page/page_json.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "impedraw/page/page_mesh.h"
+#include "impedraw/page/page_json.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Thinned lines against brute force: how far any point left out lies from what is left.
-#include "impedraw/report/decimate.h"
+#include "impedraw/report/sheet.h"
 
 #include <algorithm>
 #include <cmath>

@@ -66,7 +66,7 @@ void expect_stands_alone(const Page& page) {
   EXPECT_NE(page.markup.find("default-src 'none'"), std::string::npos);
 }
 
-// The values of a packed column, by the description in packed_columns.h.
+// The values of a packed column, by the description in page_json.h.
 std::vector<double> unpacked(const Page& page, const nlohmann::json& how) {
   const std::size_t n = how["n"], at = how["at"];
   std::vector<long long> k(n);

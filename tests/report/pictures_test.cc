@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/canvas/built_in.h"
-#include "impedraw/report/decimate.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/relief.h"
+#include "impedraw/report/sheet.h"
 #include "log/made_up_folder.h"
 
 namespace impedraw {

@@ -3,10 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "impedraw/run/moving_drawing.h"
+#include "impedraw/run/drawings.h"
 #include "impedraw/run/remaining.h"
-#include "impedraw/run/standing_drawing.h"
-#include "impedraw/run/touched_drawing.h"
 #include "run/prepared.h"
 
 namespace impedraw {

@@ -11,11 +11,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/metrics.h"
-#include "impedraw/run/simulated_run.h"
+#include "impedraw/run/simulated_arm.h"
 #include "run/bounds.h"
 #include "seeds.h"
 

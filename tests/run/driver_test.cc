@@ -21,12 +21,11 @@
 #include "impedraw/log/run_data.h"
 #include "impedraw/log/run_rows.h"
 #include "impedraw/metrics/metrics.h"
-#include "impedraw/run/arm_monitors.h"
-#include "impedraw/run/calibrate_tool.h"
 #include "impedraw/run/control_loop.h"
+#include "impedraw/run/executor.h"
+#include "impedraw/run/identify_joints.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/simulated_arm.h"
-#include "impedraw/run/simulated_run.h"
 #include "run/prepared.h"
 
 namespace impedraw {

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "impedraw/run/damped_end.h"
-#include "impedraw/run/monitors/wait_monitor.h"
+#include "impedraw/run/driven_arm.h"
+#include "impedraw/run/monitors/canvas_monitor.h"
 
 namespace impedraw {
 namespace {

@@ -12,10 +12,10 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/log/run_rows.h"
 #include "impedraw/run/incident.h"
-#include "impedraw/run/simulated_run.h"
+#include "impedraw/run/simulated_arm.h"
 #include "scratch_folder.h"
 
 namespace impedraw {

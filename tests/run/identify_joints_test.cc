@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/run/simulated_arm.h"
 

@@ -13,7 +13,6 @@
 
 #include "impedraw/run/monitors/reading_monitor.h"
 #include "impedraw/run/simulated_arm.h"
-#include "impedraw/run/simulated_run.h"
 #include "run/prepared.h"
 #include "seeds.h"
 

@@ -11,7 +11,7 @@
 #include "impedraw/run/monitors/state_monitor.h"
 #include "impedraw/run/monitors/step_time_monitor.h"
 #include "impedraw/run/monitors/tare_monitor.h"
-#include "impedraw/run/second_chance.h"
+#include "impedraw/run/reaction.h"
 #include "made_up_cycle.h"
 
 namespace impedraw {

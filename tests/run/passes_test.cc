@@ -8,7 +8,7 @@
 
 #include "drawn_scenario.h"
 #include "impedraw/common/errors.h"
-#include "impedraw/run/simulated_run.h"
+#include "impedraw/run/simulated_arm.h"
 
 namespace impedraw {
 namespace {

@@ -7,10 +7,10 @@
 
 #include <fstream>
 
-#include "impedraw/experiment/draw_options.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/run/pen_changes.h"
-#include "impedraw/run/simulated_run.h"
+#include "impedraw/run/simulated_arm.h"
 #include "scratch_folder.h"
 
 namespace impedraw {

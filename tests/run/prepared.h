@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/prepare.h"
 
 namespace impedraw {

@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/experiment/draw_options.h"
-#include "impedraw/run/simulated_run.h"
+#include "impedraw/experiment/prepare.h"
+#include "impedraw/run/simulated_arm.h"
 
 namespace impedraw {
 namespace {

@@ -7,9 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/experiment/scenario.h"
-#include "impedraw/run/blocked_places.h"
 #include "impedraw/run/reaction.h"
-#include "impedraw/run/second_chance.h"
+#include "impedraw/run/remaining.h"
 
 namespace impedraw {
 namespace {

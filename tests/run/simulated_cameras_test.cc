@@ -1,13 +1,12 @@
 // Frames of the simulated cameras: the same whoever renders them and whatever is left out, and the
 // same as rays cast one by one.
-#include "impedraw/run/simulated_cameras.h"
+#include "impedraw/run/simulated_arm.h"
 
 #include <cmath>
 #include <cstring>
 
 #include <gtest/gtest.h>
 
-#include "impedraw/experiment/draw_options.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/experiment/snapshot.h"
 

@@ -1,5 +1,5 @@
 // Orders of strokes with windows, against trying every order.
-#include "impedraw/run/stroke_schedule.h"
+#include "impedraw/run/carried_plan.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,4 +1,4 @@
-// Reads what src/page/packed_columns.cc packs; the layout is described in its header.
+// Reads what src/page/page_json.cc packs; the layout is described in its header.
 
 export interface Packed {
   n: number;

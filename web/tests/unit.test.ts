@@ -12,7 +12,7 @@ import { straightTo } from "../src/thin";
 import { differenceText, holds } from "../src/tables";
 import { numberText } from "../src/dom";
 
-test("unpack reads differences, planes and gaps as packed_columns.h describes them", () => {
+test("unpack reads differences, planes and gaps as page_json.h describes them", () => {
   // 3, 4, gap, 300: first differences 3, 1, 0, 296 → zigzag 6, 2, 0, 592 = 0x250
   const bytes = new Uint8Array([9, 6, 2, 0, 0x50, 0, 0, 0, 2, 2, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
   const values = unpack(bytes, { n: 4, quantum: 0.5, order: 1, planes: 2, at: 1, runs: 3, runs_at: 9 });

@@ -11,8 +11,8 @@
 
 #include "impedraw/common/cross.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/files/child_process.h"
 #include "impedraw/files/data_folder.h"
-#include "impedraw/files/run_python.h"
 
 namespace impedraw {
 namespace {

@@ -4,7 +4,6 @@
 #include <utility>
 
 namespace impedraw {
-
 namespace {
 constexpr double kAside = 1.0e-3;  // [m]
 }  // namespace

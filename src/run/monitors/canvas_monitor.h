@@ -1,17 +1,66 @@
-// Holds the plan while the canvas is lost to the cameras or, where the pen waits for that, while it
-// moves. A wait of kMostWait without a stroke between ends the run. A canvas that is known again
-// after the pen has let go of it ends the path: the rest would be followed in the air.
+// What a plan waits for while the canvas is lost, moves, or comes to rest.
 #pragma once
 
 #include <fmt/format.h>
 
+#include "impedraw/control/canvas_estimate.h"
 #include "impedraw/run/cycle.h"
-#include "impedraw/run/monitors/rest_monitor.h"
 #include "impedraw/run/monitors/verdict.h"
-#include "impedraw/run/monitors/wait_monitor.h"
 
 namespace impedraw {
 
+// The time for which a plan has waited since it last drew. Waits add up until a stroke is drawn: a
+// canvas that rests for a moment, again and again, ends the run, too.
+class WaitMonitor {
+ public:
+  explicit WaitMonitor(double most) : most_(most) {}  // [s]
+
+  // Once per cycle of dt [s]: whether the plan waits, and whether it draws. True in a cycle in
+  // which it waits and has waited for too long.
+  bool update(bool waits, bool draws, double dt) noexcept {
+    if (waits)
+      waited_ += dt;
+    else if (draws)
+      waited_ = 0.0;
+    return waits && waited_ >= most_;
+  }
+  double waited() const noexcept { return waited_; }  // [s]
+
+ private:
+  double most_, waited_ = 0.0;  // [s]
+};
+
+// Tells whether a canvas that may be moved by hand stands still, from its estimated motion.
+//
+// It moves once its speed at the tip exceeds kMoves or its turning kTurns; it stands once both have
+// been below half of that for kConfirm.
+class RestMonitor {
+ public:
+  static constexpr double kMoves = 8e-3;   // [m/s]
+  static constexpr double kTurns = 0.06;   // [rad/s]
+  static constexpr double kConfirm = 0.5;  // [s]
+
+  // Once per cycle of dt [s].
+  void update(const FrameMotion& canvas, const Eigen::Vector3d& p_WE, double dt) noexcept {
+    const double speed = canvas.velocity_at(p_WE).norm(), turn = canvas.w.norm();
+    if (speed > kMoves || turn > kTurns) {
+      moves_ = true;
+      rests_ = 0.0;
+    } else if (moves_) {
+      rests_ = speed < 0.5 * kMoves && turn < 0.5 * kTurns ? rests_ + dt : 0.0;
+      moves_ = rests_ < kConfirm;
+    }
+  }
+  bool moves() const noexcept { return moves_; }
+
+ private:
+  bool moves_ = false;
+  double rests_ = 0.0;  // [s]
+};
+
+// Holds the plan while the canvas is lost to the cameras or, where the pen waits for that, while it
+// moves. A wait of kMostWait without a stroke between ends the run. A canvas that is known again
+// after the pen has let go of it ends the path: the rest would be followed in the air.
 class CanvasMonitor {
  public:
   static constexpr double kMostWait = 45.0;  // [s]

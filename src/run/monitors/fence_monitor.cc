@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
-
 namespace impedraw {
 
 FenceMonitor::FenceMonitor(const FenceSettings& settings, bool measured) : settings_(settings) {

@@ -7,7 +7,6 @@
 #include <Eigen/Cholesky>
 
 namespace impedraw {
-
 namespace {
 
 constexpr double kQuick = 200.0, kMean = 50.0;            // [rad/s]

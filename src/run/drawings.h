@@ -1,20 +1,64 @@
+// Three drawings: on a surface that stands, on one that is found by touch, on a canvas that moves.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "impedraw/experiment/experiment.h"
+#include "impedraw/run/drawing_task.h"
+#include "impedraw/run/remaining.h"
+
+namespace impedraw {
+
+// A drawing on a surface that stands and is perceived: the whole plan as one path.
+//
+// A path that is blocked goes on behind the blocked place (remaining.h). What then has no ink
+// is drawn once more.
+class StandingDrawing : public DrawingTask {
+ public:
+  // `first`: the path of the first pass.
+  StandingDrawing(const Experiment& experiment, TipPath first);
+
+  Move next(const Situation& situation) override;
+  DrawingRecord record() const override;
+
+ private:
+  Move draw(TipPath path) const;
+  Move draw_again(const Situation& situation);
+
+  const Experiment& e_;
+  TipPath first_;
+  TipReference end_;  // end of the first path
+  bool begun_ = false, again_ = false;
+  std::vector<StrokePart> drawn_again_;
+  BlockedPlaces blocked_;
+};
+
+// A drawing on a surface that is found by touch: stroke by stroke, each on a level of its own above
+// the heights that were touched so far.
+class TouchedDrawing : public DrawingTask {
+ public:
+  TouchedDrawing(const Experiment& experiment, std::vector<PlacedStroke> strokes);
+
+  Move next(const Situation& situation) override;
+  DrawingRecord record() const override;
+
+ private:
+  const Experiment& e_;
+  std::vector<PlacedStroke> strokes_;  // strokes of this pass
+  std::size_t next_ = 0;               // stroke; strokes_.size(): the pen goes up
+  bool again_ = false;
+  std::vector<StrokePart> drawn_again_;
+  TouchSearch search_;
+};
+
 // A drawing on a canvas that moves: what is drawn, and when, is decided by a forecast of its motion
 // (carried_plan.h).
 //
 // The arm first rests while the cameras watch the canvas. The pen waits, up and at rest, for a
 // stroke to come into reach; after kMostWait the stroke is given up. A stroke during which the
 // canvas leaves the reach is given up after kMostLeft attempts.
-#pragma once
-
-#include <string>
-#include <vector>
-
-#include "impedraw/experiment/experiment.h"
-#include "impedraw/run/blocked_places.h"
-#include "impedraw/run/drawing_task.h"
-
-namespace impedraw {
-
 class MovingDrawing : public DrawingTask {
  public:
   static constexpr double kMostWait = 45.0;  // [s]

@@ -1,14 +1,90 @@
-#include "impedraw/run/moving_drawing.h"
+#include "impedraw/run/drawings.h"
 
 #include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "impedraw/run/canvas_follower.h"
-#include "impedraw/run/remaining.h"
+#include "impedraw/experiment/height_sources.h"
 
 namespace impedraw {
+
+StandingDrawing::StandingDrawing(const Experiment& e, TipPath first)
+    : e_(e), first_(std::move(first)), end_(first_.at(first_.duration()).reference) {}
+
+Move StandingDrawing::next(const Situation& now) {
+  if (!std::exchange(begun_, true)) return draw(std::move(first_));
+  if (now.last.blocked && !blocked_.full()) {
+    blocked_.add(*now.last.blocked);
+    std::optional<TipPath> around = path_around(e_, now.pen.q, now.X_KE(), now.ink, &blocked_);
+    if (around) return draw(std::move(*around));
+  }
+  const bool once = e_.scenario.drawing.dry_run || !e_.scenario.drawing.redraw;
+  return again_ || once ? Move{} : draw_again(now);
+}
+
+Move StandingDrawing::draw_again(const Situation& now) {
+  again_ = true;
+  drawn_again_ = remaining(e_, now.ink, blocked_.parts());
+  if (drawn_again_.empty()) return {};
+  const Pose X_KE = now.X_KE();
+  const bool at_end = blocked_.parts().empty();
+  TipPath path = path_without_misses(e_, &drawn_again_, at_end ? end_.p_WD : X_KE.p,
+                                     at_end ? end_.n_WD : Eigen::Vector3d(-X_KE.R.col(2)), 0.0);
+  return drawn_again_.empty() ? Move{} : draw(std::move(path));
+}
+
+Move StandingDrawing::draw(TipPath path) const {
+  Move move;
+  move.kind = Move::Kind::draw;
+  move.path = std::move(path);
+  move.again = again_;
+  return move;
+}
+
+DrawingRecord StandingDrawing::record() const {
+  DrawingRecord record;
+  record.drawn_again = drawn_again_;
+  record.walls = blocked_.parts();
+  return record;
+}
+
+TouchedDrawing::TouchedDrawing(const Experiment& e, std::vector<PlacedStroke> strokes)
+    : e_(e), strokes_(std::move(strokes)), search_(e) {}
+
+Move TouchedDrawing::next(const Situation& now) {
+  Move move;
+  const Pose& X_WE = now.pen.X_WE;
+  if (next_ > strokes_.size()) {
+    if (again_ || !e_.scenario.drawing.redraw) return move;
+    again_ = true;
+    drawn_again_ = remaining(e_, now.ink);
+    if (drawn_again_.empty()) return move;
+    strokes_ = strokes_of(e_, drawn_again_);
+    next_ = 0;
+  }
+  if (next_ == strokes_.size()) {
+    move.kind = Move::Kind::lift;
+  } else {
+    const PlacedStroke& stroke = strokes_[next_];
+    const Eigen::Vector2d first = stroke.p_P.front();
+    const double hold = next_ == 0 && !again_ ? e_.plan.path_settings.start_hold : 0.0;
+    move.kind = Move::Kind::draw;
+    move.path = plan_from(e_.plan.path_settings,
+                          level_surface(search_.heights().level(first.x(), first.y())), {stroke},
+                          X_WE.p, -X_WE.R.col(2), hold);
+    move.again = again_;
+    move.touch = {&search_, static_cast<int>(next_), static_cast<int>(strokes_.size())};
+  }
+  ++next_;
+  return move;
+}
+
+DrawingRecord TouchedDrawing::record() const {
+  DrawingRecord record;
+  record.drawn_again = drawn_again_;
+  return record;
+}
 
 MovingDrawing::MovingDrawing(const Experiment& e, double first_time)
     : e_(e), plan_(e, first_time), first_time_(first_time) {}

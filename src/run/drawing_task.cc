@@ -1,4 +1,4 @@
-#include "impedraw/run/touch_search.h"
+#include "impedraw/run/drawing_task.h"
 
 #include <algorithm>
 #include <cmath>

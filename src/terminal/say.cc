@@ -1,4 +1,4 @@
-#include "impedraw/terminal/called.h"
+#include "impedraw/terminal/say.h"
 
 #include <string_view>
 
