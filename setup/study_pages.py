@@ -202,7 +202,32 @@ def robustness(rows, folder):
         group = by_case[f"{case}-off"]["group"]
         label = f"{group.removeprefix('switch-').replace('_', ' ')}: {case.removeprefix(group + '-')}"
         lines.append(f"| {label} | " + " | ".join(entry(by_case.get(f"{case}-{s}"), True) for s in ("off", "on")) + " |")
-    return "robustness.md", [*lines, "", "## Failed cells", "", *failed_list(rows)], lambda: picture_of_robustness(rows, by_case, slopes, speeds, forces)
+    return "robustness.md", with_two_errors([*lines, "", "## Failed cells", "", *failed_list(rows)]), lambda: picture_of_robustness(rows, by_case, slopes, speeds, forces)
+
+
+def two_errors(rows, folder):
+    """The part of robustness.md between its markers: ink RMS / force SD of each pair, and of each error alone on the diagonal."""
+    names = list(dict.fromkeys(name for row in rows for name in row["case"].split("-")[1].split("+")))
+    cells = {frozenset(row["case"].split("-")[1].split("+")): row for row in rows}
+    bad = sum(row["failed"] for row in rows)
+    part = [f"`./impedraw sweep studies/two-errors.yaml`, {stamp(folder)}: {len(rows)} runs of `bowl-sine-real`, **{bad} failed**. The law is told none of them. On the "
+            "diagonal one error alone; *ink error RMS [mm] / standard deviation of the normal force [N]*.", "",
+            "| | " + " | ".join(name.replace("_", " ") for name in names) + " |", "|---" * (len(names) + 1) + "|"]  # fmt: skip
+    for i, one in enumerate(names):
+        part.append(f"| {one.replace('_', ' ')} | " + " | ".join(entry(cells.get(frozenset({one, other}))) if j >= i else "" for j, other in enumerate(names)) + " |")
+    return "robustness.md", with_two_errors((DOCS / "robustness.md").read_text().splitlines(), [*part, *(["", *failed_list(rows)] if bad else [])]), None
+
+
+def with_two_errors(page, part=None):
+    """The page's lines with `part` under this heading; without one, what stands there in robustness.md."""
+    heading, after = "## Two errors at once", "## Canvases, at 50 mm/s and 5 N"
+    old = (DOCS / "robustness.md").read_text().splitlines() if part is None else page
+    if part is None and heading in old:
+        part = old[old.index(heading) + 2 : old.index(after) - 1]
+    if heading in page:
+        page = page[: page.index(heading)] + page[page.index(after) :]
+    at = page.index(after)
+    return page[:at] + ([heading, "", *part, ""] if part else []) + page[at:]
 
 
 def picture_of_robustness(rows, by_case, slopes, speeds, forces):
@@ -519,7 +544,7 @@ def picture_of_moving(by_case, speeds, latencies, amplitudes, frequencies):
     figure.savefig(DOCS / "moving.png", dpi=100)
 
 
-PAGES = {"surfaces": surfaces, "other-surfaces": other_surfaces, "robustness": robustness, "reach": reach, "moving": moving}
+PAGES = {"surfaces": surfaces, "other-surfaces": other_surfaces, "robustness": robustness, "two-errors": two_errors, "reach": reach, "moving": moving}
 
 
 def page(study, folder, check=False):

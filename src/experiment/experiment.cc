@@ -2,6 +2,7 @@
 
 #include "impedraw/experiment/rotor_check.h"
 #include "impedraw/experiment/rough_ground.h"
+#include "impedraw/experiment/spring_check.h"
 
 namespace impedraw {
 

@@ -82,6 +82,7 @@ class ControlLoop {
     return mode_ == ContactMode::approach || mode_ == ContactMode::contact;
   }
   void avoid_canvas(const TipReference& given, double time) noexcept;
+  void keep_away(double time) noexcept;
 
   ArmModel arm_;
   SurfaceSource surface_source_;

@@ -1,4 +1,4 @@
-// A pen that rests in the air keeps away from a canvas that comes nearer, as cameras see it.
+// A pen that rests in the air, or whose motion is damped, keeps away from a canvas that comes nearer, as cameras see it.
 //
 // The reference moves along the surface's normal n, by s(t), so that the canvas is braked against:
 //
@@ -53,6 +53,8 @@ class KeepAway {
     return reference;
   }
   const Eigen::Vector3d& shift() const noexcept { return s_; }
+  // ṡ, where it leads away [m/s].
+  Eigen::Vector3d retreat() const noexcept { return std::max(0.0, rate_) * n_; }
 
  private:
   Eigen::Vector3d s_ = Eigen::Vector3d::Zero(), n_ = Eigen::Vector3d::UnitZ();
