@@ -1,6 +1,6 @@
 """Writes motions of a canvas that a person holds, or that a machine moves by steps, for canvas.motion.file.
 
-    python setup/hand_motions.py FOLDER              hand-1.csv, hand-2.csv … : each kind from two seeds
+    python setup/hand_motions.py FOLDER              hand-1.csv, hand-2.csv … : each kind from six seeds
     python setup/hand_motions.py FOLDER hand 7       hand-7.csv alone
     ./impedraw draw scenarios/moving.yaml --set canvas.motion.ramp=2 --set canvas.motion.file=FOLDER/hand-7.csv
 
@@ -81,7 +81,7 @@ def write_all(folder):
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     for kind in KINDS:
-        for seed in (1, 2):
+        for seed in range(1, 7):
             write(folder, kind, seed)
 
 
