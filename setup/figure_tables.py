@@ -41,6 +41,14 @@ SWITCHES = {
     "bowl-sine10": "the paper's ten set-points, joined by straight lines",
 }
 
+SPRINGS = {
+    "bowl-sine-elastic@worst": "sine",
+    "bowl-m-elastic@worst": "M",
+    "elastic-untold": "sine, told neither springs nor rotors (one seed)",
+    "elastic-fr3": "sine, the FR3's springs, rotors and loop under the iiwa's links, 0.5 Nm of dry friction (one seed)",
+    "elastic-harmonic-drive": "the same with a harmonic-drive cobot's springs and rotors, no torque loop, read on the links' side",
+}
+
 DISTURBED = ["bowl-sine-real", "bowl-m-real", "bowl-sine-velocity-noise", "bowl-sine-slow-torque",
              "bowl-sine-slow-torque-200", "bowl-sine-unknown", "bowl-m-unknown", "bowl-sine-touch",
              "bowl-m-touch", "bowl-sine-touch-noise", "bowl-m-touch-noise"]
@@ -170,4 +178,9 @@ def speeds(t: Tables) -> list[list[str]]:
     return rows
 
 
-TABLES = {f.__name__: f for f in (readme, standard, realistic, disturbed, seeds, switches, drawings, speeds)}
+def springs(t: Tables) -> list[list[str]]:
+    return head("", "ink RMS [mm]", "force SD [N]", "coverage", "contact") + t.lines(
+        SPRINGS, "ink_error_rms:3 force_sd:3 coverage:3 contact_fraction:3")
+
+
+TABLES = {f.__name__: f for f in (springs, readme, standard, realistic, disturbed, seeds, switches, drawings, speeds)}

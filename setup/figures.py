@@ -413,7 +413,7 @@ def study_pages_of(names: list[str], folder: pathlib.Path, check: bool) -> int:
             raise RunFailed(f"--pages {name}: no study; valid are {', '.join(study_pages.PAGES)}")
         if name == "other-surfaces":
             subprocess.run([sys.executable, ROOT / "setup/other_surfaces.py"], check=True)
-        if name == "moving":
+        if name == "hands":
             subprocess.run([sys.executable, ROOT / "setup/hand_motions.py", ROOT / "build/motions"], check=True)
         command = [*sweep("--program", program(), "--out", folder / name)]
         command[command.index(STUDY)] = ROOT / f"studies/{name}.yaml"

@@ -1,6 +1,6 @@
 """Writes motions of a canvas that a person holds, or that a machine moves by steps, for canvas.motion.file.
 
-    python setup/hand_motions.py FOLDER              hand-1.csv, hand-2.csv … : each kind from two seeds
+    python setup/hand_motions.py FOLDER              hand-1.csv, hand-2.csv … : each kind from six seeds
     python setup/hand_motions.py FOLDER hand 7       hand-7.csv alone
     ./impedraw draw scenarios/moving.yaml --set canvas.motion.ramp=2 --set canvas.motion.file=FOLDER/hand-7.csv
 
@@ -27,8 +27,8 @@ NOISES = {
     "turning-hand-tremor": (5e-3 / np.sqrt(3.0), 0.5 / np.sqrt(3.0), 0.5, 4.0, 0.15e-3),
     "jolts-2Hz": (5e-3, 0.0, 2.0, np.inf, 0.0),
 }
-# Axis, way [m], its time and the rest after it [s].
-MOVES = {"indexing": (1, -0.04, 0.6, 0.9), "bumps": (2, 6e-3, 0.3, 1.2)}
+# Axis, way [m], its time and the rest after it [s], and back within that time.
+MOVES = {"indexing": (1, -0.04, 0.6, 0.9, False), "bumps": (2, 6e-3, 0.3, 1.2, True), "hits": (2, 0.08, 1.0, 1.5, True)}
 KINDS = [*NOISES, *MOVES]
 
 
@@ -39,9 +39,9 @@ def noise(random, t, rms, corner, fall):
     return np.cos(2.0 * np.pi * np.outer(t, f) + phase) @ a
 
 
-def moves(random, t, way, move, rest):
-    """A bump goes there and back within its time; a conveyor turns round after three steps."""
-    x, start, steps, back = np.zeros_like(t), random.uniform(0.0, rest), 0, abs(way) < 0.01
+def moves(random, t, way, move, rest, back):
+    """A bump and a hit, at up to 0.3 m/s, go there and back within their time; a conveyor turns round after three steps."""
+    x, start, steps = np.zeros_like(t), random.uniform(0.0, rest), 0
     while start < t[-1]:
         u = np.clip((t - start) / move, 0.0, 1.0)
         u = 1.0 - np.abs(2.0 * u - 1.0) if back else u
@@ -81,7 +81,7 @@ def write_all(folder):
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     for kind in KINDS:
-        for seed in (1, 2):
+        for seed in range(1, 7):
             write(folder, kind, seed)
 
 

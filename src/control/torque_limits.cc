@@ -158,7 +158,8 @@ LimitedTorque TorqueLimits::nearest(const JointVector& tau, const JointMatrix& M
 
 LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& task,
                                   const JointVector& null, const ArmTerms& arm,
-                                  const OperationalSpace& space) noexcept {
+                                  const OperationalSpace& space,
+                                  const Eigen::Vector3d& first) noexcept {
   LimitedTorque out{hold + task + null};
   if (!inside(out.tau)) {
     out.limited = true;
@@ -171,7 +172,12 @@ LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& ta
     if (!std::isnan(share.s)) out.tau = hold + null + share.s * task + share.alpha * d;
     out.tau = out.tau.cwiseMax(-limit_).cwiseMin(limit_);  // for rounding errors and step 3
   }
-  const LimitedTorque within = nearest(out.tau, arm.M);
+  JointMatrix M = arm.M;
+  if (!first.isZero(0.0)) {
+    const JointVector g = arm.J.topRows<3>().transpose() * first;
+    M -= kFirst / g.dot(space.acceleration(g)) * g * g.transpose();
+  }
+  const LimitedTorque within = nearest(out.tau, M);
   out.tau = within.tau;
   out.limited |= within.limited;
   return out;

@@ -75,6 +75,8 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
   }
   settings.surface.pen_axis = s.control.pen_axis.value_or(PenAxis::plan);
   settings.friction.normal_error_deg = s.control.normal_error_deg.value_or(0.0);
+  settings.observer = s.control.observer;
+  if (s.control.observer.bandwidth) settings.observer.bandwidth = *s.control.observer.bandwidth;
   const GivenFeltNormal& felt = s.control.felt_normal;
   settings.felt_normal = {felt.share.value_or(0.0), felt.deviation, felt.force_error};
   if (const auto cutter = cutter_of(s.tool)) {

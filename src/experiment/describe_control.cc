@@ -32,11 +32,11 @@ void describe(Fields& f, ContactSettings& s) {
           "Time for which the last normal is trusted when perception has no surface.");
 }
 
-void describe(Fields& f, ObserverSettings& s) {
-  using Limits = ObserverSettings::Limits;
+void describe(Fields& f, GivenObserver& s) {
+  using Limits = GivenObserver::Limits;
   f.field("enabled", s.enabled, "Uses the observer. It needs a measured wrench.");
   f.field(Limits::bandwidth, s.bandwidth,
-          "Bandwidth of the observer's low-pass filter. The default becomes 600 rad/s for a "
+          "Bandwidth of the observer's low-pass filter. null: 200 rad/s, but 600 rad/s for a "
           "simulated arm whose description has dry friction.");
   f.field(Limits::limit, s.limit, "Largest torque that the observer compensates on a joint.");
   f.field(

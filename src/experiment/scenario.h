@@ -85,7 +85,7 @@ struct ArmSettings {
   std::filesystem::path urdf;  // empty: models/iiwa14_pen.urdf
   // As the controller's model has it, of all joints or of each; empty: what the URDF says [kg m²].
   std::vector<double> rotor_inertia;
-  // Springs in the joints and the arm's own torque loop, as the set-up knows them (experiment.h):
+  // Springs in the joints and the arm's own torque loop, as the set-up knows them (spring_check.h):
   // of all joints or of each, empty: rigid [Nm/rad]; 0: no loop [rad/s].
   std::vector<double> joint_stiffness;
   double torque_bandwidth = 0.0;
@@ -198,6 +198,11 @@ struct GivenFeltNormal {
   using Limits = FeltNormalSettings::Limits;
 };
 
+// bandwidth: none: that of ObserverSettings, faster where the description has dry friction (scene.cc).
+struct GivenObserver : ObserverSettings {
+  std::optional<double> bandwidth;  // [rad/s]
+};
+
 // The control law and the source of its wrench. control.wrench, dt, torque limits, joint ranges and
 // null_space.stiffness follow from the other settings and the arm.
 struct ControlSettings : ImpedanceSettings {
@@ -208,13 +213,14 @@ struct ControlSettings : ImpedanceSettings {
   std::optional<PenAxis> pen_axis;
   std::optional<double> normal_error_deg;
   GivenFeltNormal felt_normal;
+  GivenObserver observer;
   // Along the normal, for inertia: shaped; absent: the least of shaped_inertia, or more where the
   // wrench comes late (control_setup.cc) [kg].
   std::optional<double> mass_normal;
   double torque_share = 1.0;       // of the arm's torque limits
   double torque_rate = 4000.0;     // of every joint [Nm/s]
   double joint_speed_share = 0.9;  // of the arm's joint speed limits
-  bool check_rotors = true;        // refuses what the law would not bear (experiment.h)
+  bool check_rotors = true;        // refuses what the law would not bear (rotor_check.h)
   // Delay of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
   std::optional<double> torque_delay;
   // Stiffness of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.

@@ -201,9 +201,8 @@ void reckon_with_dynamics(const World& world, Scenario* s, std::vector<std::stri
   const double damping = world.damping().maxCoeff() - s->world.errors.viscous_friction,
                friction = world.dry_friction().maxCoeff() - s->world.joint_friction;
   if (std::max(damping, friction) <= 1e-9) return;
-  double& bandwidth = s->control.observer.bandwidth;
-  const bool faster = friction > 1e-9 && s->arm.driver == ArmDriver::sim &&
-                      bandwidth == ObserverSettings().bandwidth;
+  std::optional<double>& bandwidth = s->control.observer.bandwidth;
+  const bool faster = friction > 1e-9 && s->arm.driver == ArmDriver::sim && !bandwidth;
   if (faster) bandwidth = kFaster;
   notes->push_back(fmt::format(
       "the arm's description gives joints a damping of up to {:.3g} Nm s/rad and a friction of "

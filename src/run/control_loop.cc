@@ -92,6 +92,10 @@ void ControlLoop::avoid_canvas(const TipReference& given, double time) noexcept 
   if (!canvas_.follows() || !surface_source_) return;
   hit_.update(F_ext_.head<3>(), !given.pen_down && mode_ == ContactMode::free, period_);
   if (canvas_.joined()) return keep_away_.reset();
+  keep_away(time);
+}
+
+void ControlLoop::keep_away(double time) noexcept {
   const CanvasEstimate& canvas = canvas_.estimate();
   SurfaceEstimate surface;
   if (canvas.status == CanvasStatus::ok || canvas.status == CanvasStatus::undetermined)
@@ -125,7 +129,12 @@ const ImpedanceTorque& ControlLoop::brake(const ArmState& state,
   update_wrench(state);
   canvas_.update(state.time);
   mode_ = ContactMode::free;
-  const ImpedanceTorque& out = controller_.brake(terms_, v_WD);
+  Eigen::Vector3d v = v_WD;
+  if (canvas_.follows() && surface_source_) {
+    keep_away(state.time);  // by what cameras see alone: the wrench may be what failed
+    v += keep_away_.retreat();
+  }
+  const ImpedanceTorque& out = controller_.brake(terms_, v);
   if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);
   return out;
 }
