@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "impedraw/canvas/describe_built_in.h"
 #include "impedraw/canvas/mesh_patterns.h"
 #include "impedraw/canvas/shape_checks.h"
 #include "impedraw/common/range_check.h"
@@ -104,15 +105,7 @@ TriangleMesh lip(const RoughSettings& s, double edge) {
 }  // namespace
 
 TriangleMesh make_rough(const RoughSettings& s) {
-  using Limits = RoughSettings::Limits;
-  require_in_range("rough", FootprintSettings::Limits::centre, s.footprint.centre);
-  require_in_range("rough", FootprintSettings::Limits::heading, s.footprint.heading_deg);
-  require_in_range("rough", FootprintSettings::Limits::width, s.footprint.width);
-  require_in_range("rough", FootprintSettings::Limits::height, s.footprint.height);
-  require_in_range("rough", FootprintSettings::Limits::edge, s.footprint.edge);
-  require_in_range("rough", Limits::slope, s.slope_deg);
-  require_in_range("rough", Limits::wavelength, s.wavelength);
-  require_in_range("rough", Limits::height, s.height);
+  require_ranges("rough", s);
   const double edge = std::min(s.footprint.edge, s.wavelength / 4.0);
   require_fair_size("rough", edge, 2.0 * s.footprint.width * s.footprint.height / (edge * edge));
   const double slope = std::tan(s.slope_deg * std::numbers::pi / 180.0),

@@ -30,13 +30,6 @@ struct RoughSettings {
   double slope_deg = 10.0;    // root mean square
   double wavelength = 0.015;  // λ [m]
   double height = 0.010;      // of a step or lip [m]
-
-  struct Limits {
-    static constexpr Limit seed = {"seed", "", {0, 1e9}};
-    static constexpr Limit slope = {"slope", "deg", {0.0, 60.0}};
-    static constexpr Limit wavelength = {"wavelength", "m", {0.001, 0.15}};
-    static constexpr Limit height = {"rise", "m", {0.0, 0.2}};  // the footprint has a height
-  };
 };
 
 // Throws InputError naming the setting, its value and what would be valid.

@@ -9,6 +9,7 @@
 
 #include "impedraw/common/per_joint.h"
 #include "impedraw/control/impedance.h"
+#include "impedraw/simulation/describe_world.h"
 #include "impedraw/simulation/joint_springs.h"
 
 namespace impedraw {
@@ -151,8 +152,7 @@ JointSpringSettings springs_as_stated(const ArmSettings& s, const ArmModel& arm,
   springs.loop_bandwidth = faster * s.torque_bandwidth;
   for (const double B : arm.rotor_inertia())
     springs.rotor_inertia.push_back(
-        std::min(JointSpringSettings::Limits::rotor_inertia.range.highest,
-                 s.torque_bandwidth > 0.0 ? kRotors * B : B));
+        std::min(kSpringRotorRange.highest, s.torque_bandwidth > 0.0 ? kRotors * B : B));
   return springs;
 }
 

@@ -19,8 +19,6 @@ struct FrameSettings {
   // Time to subtract from each frame's time stamp, so that it tells the exposure: found by
   // ./impedraw arm camera-latency [s].
   double stamp_error = 0.0;
-  // From one camera's exposure to the next one's, of the same frame [s].
-  double skew = 0.0;
   // Switches to measure the worth of each: off, the pen goes where the canvas was at the last
   // frame, or without the canvas's velocity and acceleration.
   bool prediction = true, feedforward = true;
@@ -33,27 +31,11 @@ struct FrameSettings {
   // A simulator casts only rays that may meet the canvas; off: every pixel. Changes no image.
   bool region_of_interest = true;
   int width = 320, height = 240;  // of a frame; the snapshot has the camera's own size
-
-  struct Limits {
-    static constexpr Limit rate = {"rate", "Hz", {1.0, 200.0}};
-    static constexpr Limit latency = {"latency", "s", {0.0, 0.5}};
-    static constexpr Limit latency_jitter = {"latency_jitter", "s", {0.0, 0.1}};
-    static constexpr Limit drop = {"drop", "", Range::to_below(0.0, 1.0)};
-    static constexpr Limit stamp_error = {"stamp_error", "s", {-0.2, 0.2}};
-    static constexpr Limit skew = {"skew", "s", {0.0, 0.1}};
-    static constexpr Limit depth_every = {"depth_every", "", {1, 1000}};
-    static constexpr Limit width = {"width", "px", {16, 4096}};
-    static constexpr Limit height = {"height", "px", {16, 4096}};
-  };
 };
 
 // A mark on the canvas's frame, at p_K in frame K of the canvas; K is W while nothing has moved.
 struct Fiducial {
   Eigen::Vector3d p_K = Eigen::Vector3d::Zero();  // [m]
-
-  struct Limits {
-    static constexpr Limit position = {"position", "m", {-10.0, 10.0}};
-  };
 };
 
 // Each camera finds each of them in each frame, unless the arm hides it.
