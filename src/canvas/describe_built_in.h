@@ -1,7 +1,5 @@
 // Description of the built-in canvases' settings (built_in.h, built_in_rough.h).
-// describe(f, settings) names each number with its range and unit, and each setting of a scenario
-// with a sentence on it; a constant is what no scenario sets. It is read by RangeChecks
-// (common/range_check.h) and by Fields (settings/schema.h).
+// See control/describe_control.h.
 #pragma once
 
 #include "impedraw/canvas/built_in.h"

@@ -63,7 +63,7 @@ void describe(Fields& f, FrameSettings& s) {
   f.field("wait_for_rest", s.wait_for_rest,
           "For a canvas that is moved by hand between strokes: while it moves, the pen waits above "
           "it and the plan's clock stands.");
-  f.constant("skew", 0.0, Range::any(), "s");
+  f.field("skew", s.skew, {0.0, 0.1}, "s", "Time from one camera's exposure to the next one's.");
   f.field("depth", s.depth,
           "Frames carry depths, by which the canvas's own shape tells where it is; off: marks "
           "alone do.");

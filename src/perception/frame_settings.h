@@ -19,6 +19,8 @@ struct FrameSettings {
   // Time to subtract from each frame's time stamp, so that it tells the exposure: found by
   // ./impedraw arm camera-latency [s].
   double stamp_error = 0.0;
+  // From one camera's exposure to the next one's, of the same frame [s].
+  double skew = 0.0;
   // Switches to measure the worth of each: off, the pen goes where the canvas was at the last
   // frame, or without the canvas's velocity and acceleration.
   bool prediction = true, feedforward = true;

@@ -163,7 +163,9 @@ void SimulatedCameras::expose(bool lost) noexcept {
   bool posed = false;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     Camera& camera = cameras_[i];
-    if (time < static_cast<double>(camera.exposed) / frames_.rate - 1e-9) continue;
+    const double due =
+        static_cast<double>(camera.exposed) / frames_.rate + static_cast<double>(i) * frames_.skew;
+    if (time < due - 1e-9) continue;
     if (!posed) world_.pose_body();
     posed = true;
     capture(static_cast<int>(i), time, lost);

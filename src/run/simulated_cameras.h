@@ -1,6 +1,6 @@
 // Cameras that keep capturing a canvas that moves: its frames appear at their simulated time.
 //
-// Each camera exposes its frame k at k / rate, at the next cycle of the world. Each mark
+// Camera c exposes its frame k at k / rate + c · skew, at the next cycle of the world. Each mark
 // that is in its image, and that neither arm nor canvas hide, is found with noise. The frame
 // arrives after `latency`, normally distributed with `latency_jitter` and never before the
 // exposure, or, with probability `drop`, never. With perception.frames.depth it has the depth of
