@@ -181,10 +181,4 @@ Eigen::Matrix2d TouchSurface::curvature() const {
   return H;
 }
 
-double TouchSurface::uncertainty() const noexcept {
-  const double a = P_(1, 1), b = P_(1, 2), c = P_(2, 2);
-  const double most = 0.5 * (a + c) + std::sqrt(0.25 * (a - c) * (a - c) + b * b);
-  return std::atan(std::sqrt(std::max(0.0, most)));
-}
-
 }  // namespace impedraw
