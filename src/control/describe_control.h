@@ -120,6 +120,7 @@ void describe(F& f, ImpedanceSettings& s) {
   f.field("null_damping_ratio", s.null_space.damping_ratio, {0.0, 3.0}, "",
           "Damping ratio of the null space.");
   f.field("observer", s.observer, "Momentum observer of the torque that the arm's model misses.");
+  // up to the longest delay of the drives, and one step
   f.field("loop_delay", s.timing.loop_delay, {0.0, 0.021}, "s",
           "Greatest age of the state while a torque acts: one step and the delay of the drives.");
   f.field("force_integral", s.force_integral, "Integral of the force error along the normal.");

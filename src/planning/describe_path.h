@@ -13,7 +13,7 @@ inline constexpr Range kTiltAccelerationRange{0.1, 1000.0};    // [rad/s²]
 
 template <class F>
 void describe(F& f, PathSettings& s) {
-  f.constant("start_hold", s.start_hold, {0.0, 120.0}, "s");
+  f.constant("start_hold", s.start_hold, {0.0, 120.0}, "s");  // a tare of up to 60 s included
   f.field("hover_height", s.hover_height, Range::positive_to(0.1), "m",
           "Height above the first point of a stroke at which the approach begins.");
   f.field("approach_speed", s.approach_speed, {1e-4, 0.2}, "m/s",
