@@ -51,16 +51,10 @@ void bind_sensing(nb::module_& m) {
       .field("p_SC", &Tool::p_SC, "centre of mass, in S, shape (3,) [m]")
       .field("I_SC", &Tool::I_SC, "about the centre of mass, in S, shape (3, 3) [kg m²]")
       .done();
-  Record<ToolRemoval>(m, "ToolRemoval", "Terms of the tool that are subtracted from a reading.")
-      .field("weight", &ToolRemoval::weight, "m g")
-      .field("inertia", &ToolRemoval::inertia, "m (a + α × c)")
-      .field("coriolis", &ToolRemoval::coriolis, "m ω × (ω × c)")
-      .done();
   using W = WrenchEstimatorSettings;
   Record<W>(m, "WrenchEstimatorSettings", "Settings of the wrench estimator.")
       .field("dt", &W::dt, "step [s]")
       .field("tool", &W::tool, "on the far side of the sensor")
-      .field("removal", &W::removal, "tool terms subtracted from the reading")
       .field("X_ES", &W::X_ES, "sensor frame in the tip's frame")
       .field("gravity_W", &W::gravity_W, "shape (3,) [m/s²]")
       .field("sensor_delay", &W::sensor_delay, "age of a reading, rounded to steps [s]")

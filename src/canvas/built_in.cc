@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "impedraw/canvas/describe_built_in.h"
 #include "impedraw/canvas/mesh_patterns.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
@@ -40,11 +41,7 @@ void require_fair_size(std::string_view shape, double edge, double triangles) {
 }
 
 void validate(std::string_view shape, const CapSettings& s) {
-  using Limits = CapSettings::Limits;
-  require_in_range(shape, Limits::radius, s.radius);
-  require_in_range(shape, Limits::opening_radius, s.opening_radius);
-  require_in_range(shape, Limits::edge, s.edge);
-  require_in_range(shape, Limits::centre, s.centre);
+  require_ranges(std::string(shape), s);
   require_at_most(shape, "opening_radius", s.opening_radius, "the radius", s.radius);
   require_at_most(shape, "edge", s.edge, "the opening_radius", s.opening_radius);
 }
@@ -85,12 +82,7 @@ TriangleMesh make_bowl(const BowlSettings& settings) { return cap("bowl", settin
 TriangleMesh make_dome(const DomeSettings& settings) { return cap("dome", settings, 1.0); }
 
 TriangleMesh make_plane(const PlaneSettings& s) {
-  using Limits = PlaneSettings::Limits;
-  require_in_range("plane", Limits::width, s.width);
-  require_in_range("plane", Limits::height, s.height);
-  require_in_range("plane", Limits::edge, s.edge);
-  require_in_range("plane", Limits::centre, s.centre);
-  require_in_range("plane", Limits::normal, s.normal);
+  require_ranges("plane", s);
   if (s.normal.norm() < 1e-9)
     throw InputError("plane.normal is (0, 0, 0), allowed is any other direction");
   require_fair_size("plane", s.edge, 2.0 * s.width * s.height / (s.edge * s.edge));
@@ -109,13 +101,10 @@ TriangleMesh make_plane(const PlaneSettings& s) {
 
 namespace {
 
-void validate(std::string_view shape, const FootprintSettings& s) {
-  using Limits = FootprintSettings::Limits;
-  require_in_range(shape, Limits::centre, s.centre);
-  require_in_range(shape, Limits::heading, s.heading_deg);
-  require_in_range(shape, Limits::width, s.width);
-  require_in_range(shape, Limits::height, s.height);
-  require_in_range(shape, Limits::edge, s.edge);
+template <class Settings>
+void validate(std::string_view shape, const Settings& settings) {
+  require_ranges(std::string(shape), settings);
+  const FootprintSettings& s = settings.footprint;
   require_fair_size(shape, s.edge, 2.0 * s.width * s.height / (s.edge * s.edge));
 }
 
@@ -141,9 +130,7 @@ TriangleMesh graph(const FootprintSettings& s, const Height& h) {
 }  // namespace
 
 TriangleMesh make_wave(const WaveSettings& s) {
-  validate("wave", s.footprint);
-  require_in_range("wave", WaveSettings::Limits::amplitude, s.amplitude);
-  require_in_range("wave", WaveSettings::Limits::wavelength, s.wavelength);
+  validate("wave", s);
   require_fine_edge("wave", s.footprint, "an eighth of the wavelength", s.wavelength);
   return graph(s.footprint, [&](double x, double) {
     return s.amplitude * std::sin(2.0 * std::numbers::pi * x / s.wavelength);
@@ -151,15 +138,12 @@ TriangleMesh make_wave(const WaveSettings& s) {
 }
 
 TriangleMesh make_saddle(const SaddleSettings& s) {
-  validate("saddle", s.footprint);
-  require_in_range("saddle", SaddleSettings::Limits::radius, s.radius);
+  validate("saddle", s);
   return graph(s.footprint, [&](double x, double y) { return (x * x - y * y) / (2.0 * s.radius); });
 }
 
 TriangleMesh make_terrain(const TerrainSettings& s) {
-  validate("terrain", s.footprint);
-  require_in_range("terrain", TerrainSettings::Limits::amplitude, s.amplitude);
-  require_in_range("terrain", TerrainSettings::Limits::feature, s.feature);
+  validate("terrain", s);
   require_fine_edge("terrain", s.footprint, "an eighth of the feature", s.feature);
 
   struct Wave {
@@ -186,13 +170,7 @@ namespace {
 
 // up = 1: outside of the upper part; −1: inside of the lower part. Normals point up in both.
 TriangleMesh part_of_cylinder(std::string_view shape, const CylinderSettings& s, double up) {
-  using Limits = CylinderSettings::Limits;
-  require_in_range(shape, Limits::middle, s.middle);
-  require_in_range(shape, Limits::heading, s.heading_deg);
-  require_in_range(shape, Limits::radius, s.radius);
-  require_in_range(shape, Limits::length, s.length);
-  require_in_range(shape, Limits::width, s.width);
-  require_in_range(shape, Limits::edge, s.edge);
+  require_ranges(std::string(shape), s);
   require_at_most(shape, "width", s.width, "twice the radius", 2.0 * s.radius);
   require_at_most(shape, "edge", s.edge, "the width", s.width);
   const double half_angle = std::asin(std::min(1.0, 0.5 * s.width / s.radius));
@@ -222,11 +200,7 @@ TriangleMesh make_trough(const CylinderSettings& settings) {
 }
 
 TriangleMesh make_cone(const ConeSettings& s) {
-  using Limits = ConeSettings::Limits;
-  require_in_range("cone", Limits::apex, s.apex);
-  require_in_range("cone", Limits::slope, s.slope_deg);
-  require_in_range("cone", Limits::base_radius, s.base_radius);
-  require_in_range("cone", Limits::edge, s.edge);
+  require_ranges("cone", s);
   require_at_most("cone", "edge", s.edge, "the base_radius", s.base_radius);
   const double slope = s.slope_deg * std::numbers::pi / 180.0;
   const double slant = s.base_radius / std::cos(slope);
@@ -342,15 +316,7 @@ TriangleMesh lip(const RoughSettings& s, double edge) {
 }  // namespace
 
 TriangleMesh make_rough(const RoughSettings& s) {
-  using Limits = RoughSettings::Limits;
-  require_in_range("rough", FootprintSettings::Limits::centre, s.footprint.centre);
-  require_in_range("rough", FootprintSettings::Limits::heading, s.footprint.heading_deg);
-  require_in_range("rough", FootprintSettings::Limits::width, s.footprint.width);
-  require_in_range("rough", FootprintSettings::Limits::height, s.footprint.height);
-  require_in_range("rough", FootprintSettings::Limits::edge, s.footprint.edge);
-  require_in_range("rough", Limits::slope, s.slope_deg);
-  require_in_range("rough", Limits::wavelength, s.wavelength);
-  require_in_range("rough", Limits::height, s.height);
+  require_ranges("rough", s);
   const double edge = std::min(s.footprint.edge, s.wavelength / 4.0);
   require_fair_size("rough", edge, 2.0 * s.footprint.width * s.footprint.height / (edge * edge));
   const double slope = std::tan(s.slope_deg * std::numbers::pi / 180.0),

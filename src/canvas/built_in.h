@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 
 #include "impedraw/canvas/triangle_mesh.h"
-#include "impedraw/common/range.h"
 
 namespace impedraw {
 
@@ -18,13 +17,6 @@ struct CapSettings {
   // of the cap's rim: radius sin(slope at the rim) [m], at most radius
   double opening_radius = 0.18;
   double edge = 0.0015;  // desired length of a triangle's edge [m], at most opening_radius
-
-  struct Limits {
-    static constexpr Limit radius = {"radius", "m", {0.01, 10.0}};
-    static constexpr Limit centre = {"centre", "m", {-10.0, 10.0}};
-    static constexpr Limit opening_radius = {"opening_radius", "m", {0.005, 10.0}};
-    static constexpr Limit edge = {"edge", "m", {2e-4, 0.2}};
-  };
 };
 using BowlSettings = CapSettings;
 using DomeSettings = CapSettings;
@@ -43,14 +35,6 @@ struct PlaneSettings {
   double width = 0.36;
   double height = 0.36;  // across the width [m]
   double edge = 0.01;    // desired length of a cell's side [m]
-
-  struct Limits {
-    static constexpr Limit centre = {"centre", "m", {-10.0, 10.0}};
-    static constexpr Limit normal = {"normal", "", {-1.0, 1.0}};
-    static constexpr Limit width = {"width", "m", {0.01, 10.0}};
-    static constexpr Limit height = {"height", "m", {0.01, 10.0}};
-    static constexpr Limit edge = {"edge", "m", {2e-4, 1.0}};
-  };
 };
 
 // A rectangle. Every vertex lies in the plane to rounding.
@@ -73,14 +57,6 @@ struct FootprintSettings {
   double width = 0.36;                         // along e_x [m]
   double height = 0.36;                        // along e_y [m]
   double edge = 0.0015;                        // longest side of a cell, seen from above [m]
-
-  struct Limits {
-    static constexpr Limit centre = {"centre", "m", {-10.0, 10.0}};
-    static constexpr Limit heading = {"heading", "deg", {-360.0, 360.0}};
-    static constexpr Limit width = {"width", "m", {0.01, 10.0}};
-    static constexpr Limit height = {"height", "m", {0.01, 10.0}};
-    static constexpr Limit edge = {"edge", "m", {2e-4, 0.1}};
-  };
 };
 
 // h = amplitude sin(2π x/wavelength). With the defaults the greatest slope, 2π
@@ -90,11 +66,6 @@ struct WaveSettings {
   FootprintSettings footprint;
   double amplitude = 0.015;  // [m]
   double wavelength = 0.20;  // [m], at least 8 edges
-
-  struct Limits {
-    static constexpr Limit amplitude = {"amplitude", "m", {1e-4, 1.0}};
-    static constexpr Limit wavelength = {"wavelength", "m", {0.005, 10.0}};
-  };
 };
 
 TriangleMesh make_wave(const WaveSettings& settings = {});
@@ -104,10 +75,6 @@ TriangleMesh make_wave(const WaveSettings& settings = {});
 struct SaddleSettings {
   FootprintSettings footprint;
   double radius = 0.40;  // [m]
-
-  struct Limits {
-    static constexpr Limit radius = {"radius", "m", {0.01, 100.0}};
-  };
 };
 
 TriangleMesh make_saddle(const SaddleSettings& settings = {});
@@ -125,12 +92,6 @@ struct TerrainSettings {
   int seed = 1;
   double amplitude = 0.04;  // [m]
   double feature = 0.20;    // shortest wavelength [m], at least 8 edges
-
-  struct Limits {
-    static constexpr Limit seed = {"seed", "", {0, 1e9}};
-    static constexpr Limit amplitude = {"amplitude", "m", {1e-4, 1.0}};
-    static constexpr Limit feature = {"feature", "m", {0.005, 10.0}};
-  };
 };
 
 TriangleMesh make_terrain(const TerrainSettings& settings = {});
@@ -149,15 +110,6 @@ struct CylinderSettings {
   double length = 0.36;      // along the axis [m]
   double width = 0.36;       // across, seen from above [m], at most 2 radius
   double edge = 0.0015;      // longest side of a cell [m], at most width
-
-  struct Limits {
-    static constexpr Limit middle = {"middle", "m", {-10.0, 10.0}};
-    static constexpr Limit heading = {"heading", "deg", {-360.0, 360.0}};
-    static constexpr Limit radius = {"radius", "m", {0.01, 10.0}};
-    static constexpr Limit length = {"length", "m", {0.01, 10.0}};
-    static constexpr Limit width = {"width", "m", {0.01, 10.0}};
-    static constexpr Limit edge = {"edge", "m", {2e-4, 0.1}};
-  };
 };
 
 // The upper part, drawn on from outside: the axis lies `radius` below the middle, and normals
@@ -178,13 +130,6 @@ struct ConeSettings {
   double slope_deg = 20.0;
   double base_radius = 0.18;  // of its rim [m]
   double edge = 0.0015;       // desired length of a triangle's edge [m], at most base_radius
-
-  struct Limits {
-    static constexpr Limit apex = {"apex", "m", {-10.0, 10.0}};
-    static constexpr Limit slope = {"slope", "deg", {0.1, 80.0}};
-    static constexpr Limit base_radius = {"base_radius", "m", {0.005, 10.0}};
-    static constexpr Limit edge = {"edge", "m", {2e-4, 0.1}};
-  };
 };
 
 TriangleMesh make_cone(const ConeSettings& settings = {});
@@ -216,13 +161,6 @@ struct RoughSettings {
   double slope_deg = 10.0;    // root mean square
   double wavelength = 0.015;  // λ [m]
   double height = 0.010;      // of a step or lip [m]
-
-  struct Limits {
-    static constexpr Limit seed = {"seed", "", {0, 1e9}};
-    static constexpr Limit slope = {"slope", "deg", {0.0, 60.0}};
-    static constexpr Limit wavelength = {"wavelength", "m", {0.001, 0.15}};
-    static constexpr Limit height = {"rise", "m", {0.0, 0.2}};  // the footprint has a height
-  };
 };
 
 // Throws InputError naming the setting, its value and what would be valid.

@@ -1,6 +1,7 @@
-// Valid range of a setting, and the table entry with its name and unit. A struct of settings has
-// its entries in a nested struct Limits. The library's checks and the scenario schema both read
-// them, so that a limit, its unit and its name are written once.
+// Valid range of a setting. A group of settings is described by describe(f, settings), which
+// RangeChecks (range_check.h) and the scenario's reader (settings/schema.h) both read, so that a
+// range, its unit and its name are written once. A struct with one or two numbers may have a Limit
+// for each in a nested struct Limits instead.
 #pragma once
 
 #include <limits>

@@ -4,8 +4,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range.h"
@@ -60,6 +62,61 @@ template <class Vector>
 requires requires(const Vector& x) { x.begin(); }
 inline void require_in_range(std::string_view group, const Limit& limit, const Vector& values) {
   for (const double value : values) require_in_range(group, limit, value);
+}
+
+// Reads a description of settings, describe(f, settings), and throws InputError for the first number
+// out of its range, as require_in_range does. It ignores what else a description says. The same
+// description read by a Fields (settings/schema.h) gives YAML, schema and documentation.
+class RangeChecks {
+ public:
+  explicit RangeChecks(std::string group) : group_(std::move(group)) {}
+
+  // A number, a vector of numbers, or an optional one.
+  template <class T>
+  RangeChecks& field(std::string_view name, const T& value, const Range& range,
+                     std::string_view unit, std::string_view = {}) {
+    if constexpr (requires { value.has_value(); }) {
+      if (value) field(name, *value, range, unit);
+    } else if constexpr (requires { value.begin(); }) {
+      for (const double x : value) field(name, x, range, unit);
+    } else {
+      require_in_range(group_, {name, unit, range}, static_cast<double>(value));
+    }
+    return *this;
+  }
+  // A number that only the library's own callers set.
+  template <class T>
+  RangeChecks& constant(std::string_view name, const T& value, const Range& range,
+                        std::string_view unit) {
+    return field(name, value, range, unit);
+  }
+  // A group with a description of its own, a switch or a text.
+  template <class T>
+  RangeChecks& field(std::string_view name, T& part, std::string_view) {
+    if constexpr (requires(RangeChecks & f) { describe(f, part); }) {
+      RangeChecks within(group_ + "." + std::string(name));
+      describe(within, part);
+    }
+    return *this;
+  }
+  template <class E>
+  RangeChecks& choice(std::string_view, const E&, std::initializer_list<std::string_view>,
+                      std::string_view) {
+    return *this;
+  }
+  RangeChecks& formerly(std::string_view, std::string_view = {}) { return *this; }
+  RangeChecks& for_users() { return *this; }
+  RangeChecks& or_one() { return *this; }
+
+ private:
+  std::string group_;
+};
+
+// Checks all numbers that the settings' description has; the messages name them "group.name".
+template <class T>
+void require_ranges(std::string group, const T& settings) {
+  RangeChecks checks(std::move(group));
+  describe(checks, const_cast<T&>(settings));  // which only reads them
 }
 
 }  // namespace impedraw

@@ -4,6 +4,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/control/describe_control.h"
 
 namespace impedraw {
 
@@ -39,17 +40,7 @@ constexpr Transition kTable[] = {
 }  // namespace
 
 void ContactSettings::validate() const {
-  const auto check = [](const Limit& limit, double value) {
-    require_in_range("control.contact", limit, value);
-  };
-  check(Limits::enter_distance, enter_distance);
-  check(Limits::search_distance, search_distance);
-  check(Limits::leave_distance, leave_distance);
-  check(Limits::touch_force, touch_force);
-  check(Limits::touch_gap, touch_gap);
-  check(Limits::loss_force, loss_force);
-  check(Limits::loss_time, loss_time);
-  check(Limits::lost_surface_time, lost_surface_time);
+  require_ranges("control.contact", *this);
   if (!(leave_distance > enter_distance))
     throw InputError(
         "contact.leave_distance must lie above contact.enter_distance: without hysteresis the "

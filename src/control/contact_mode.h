@@ -21,8 +21,6 @@
 
 #include <string_view>
 
-#include "impedraw/common/range.h"
-
 namespace impedraw {
 
 enum class ContactMode { free, approach, contact, lift, retreat };
@@ -42,17 +40,6 @@ struct ContactSettings {
   // Deeper beneath the estimated surface than where it was touched, the pen is on no surface that
   // perception knows: off an edge, or down a wall. What is soft at its end adds its own way [m].
   double deepest = 6.0e-3;
-
-  struct Limits {
-    static constexpr Limit enter_distance = {"enter_distance", "m", {0.0, 0.05}};
-    static constexpr Limit search_distance = {"search_distance", "m", {0.0, 0.05}};
-    static constexpr Limit leave_distance = {"leave_distance", "m", Range::positive_to(0.1)};
-    static constexpr Limit touch_force = {"touch_force", "N", {0.0, 50.0}};
-    static constexpr Limit touch_gap = {"touch_gap", "m", {1e-5, 0.02}};
-    static constexpr Limit loss_force = {"loss_force", "N", {0.0, 50.0}};
-    static constexpr Limit loss_time = {"loss_time", "s", {0.0, 5.0}};
-    static constexpr Limit lost_surface_time = {"lost_surface_time", "s", {0.0, 5.0}};
-  };
 
   // Throws InputError for a value out of range, and if there is no hysteresis.
   void validate() const;

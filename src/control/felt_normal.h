@@ -14,8 +14,6 @@
 
 #include <Eigen/Core>
 
-#include "impedraw/common/range.h"
-
 namespace impedraw {
 
 struct FeltNormalSettings {
@@ -25,12 +23,6 @@ struct FeltNormalSettings {
   double share = 0.0;
   double deviation = 0.1;     // tangent of the angle below which perception is believed
   double force_error = 0.25;  // of the measured force across the normal [N]
-
-  struct Limits {
-    static constexpr Limit share = {"share", "", {0.0, 1.0}};
-    static constexpr Limit deviation = {"deviation", "", {0.0, 2.0}};
-    static constexpr Limit force_error = {"force_error", "N", {0.0, 50.0}};
-  };
 };
 
 // The part of a force across the normal that Coulomb friction up to `most` explains [N]: against

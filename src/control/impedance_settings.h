@@ -100,11 +100,6 @@ struct ForceIntegralSettings {
   bool enabled = false;  // needs a measured wrench
   double rate = 2.0;     // of push per force error [1/s]
   double limit = 2.0;    // of its contribution to the push, ± [N]
-
-  struct Limits {
-    static constexpr Limit rate = {"rate", "1/s", {0.01, 50.0}};
-    static constexpr Limit limit = {"limit", "N", {0.0, 50.0}};
-  };
 };
 
 // Stiffest contact and largest natural mass for which set-up checks the force loop.
@@ -169,52 +164,6 @@ struct ImpedanceSettings {
   NullSpaceSettings null_space;
   JointRangeSettings joint_range;
   LimitSettings limits;
-
-  // Named as in a scenario file, which has most of the settings in one group, control.
-  struct Limits {
-    static constexpr Limit dt = {"dt", "s", Range::positive_to(0.1)};
-    // the longest delay of the drives, and one step
-    static constexpr Limit loop_delay = {"loop_delay", "s", {0.0, 0.021}};
-    static constexpr Limit wrench_delay = {"wrench_delay", "s", {0.0, 1.0}};
-    static constexpr Limit velocity_age = {"velocity_age", "s", {0.0, 0.1}};
-    static constexpr Limit velocity_lag = {"velocity_lag", "s", {0.0, 1.1}};
-    static constexpr Limit max_state_age = {"max_state_age", "s", {0.0, 1.0}};
-    static constexpr Limit max_wrench_age = {"max_wrench_age", "s", {0.0, 1.0}};
-    // along and about both tangents, and the normal
-    static constexpr Limit stiffness = {"stiffness", "N/m", {0.0, 20000.0}};
-    static constexpr Limit rotational_stiffness = {"rotational_stiffness", "Nm/rad", {0.0, 1000.0}};
-    static constexpr Limit reference_stiffness = {"reference_stiffness", "N/m", {0.0, 20000.0}};
-    static constexpr Limit reference_rotational_stiffness = {
-        "reference_rotational_stiffness", "Nm/rad", {0.0, 1000.0}};
-    static constexpr Limit mass = {"mass", "kg", Range::positive_to(1000.0)};
-    static constexpr Limit rotational_inertia = {"rotational_inertia", "kg m²",
-                                                 Range::positive_to(100.0)};
-    static constexpr Limit inertia_scale = {"inertia_scale", "", {0.01, 100.0}};
-    static constexpr Limit damping_ratio = {"damping_ratio", "", {0.05, 3.0}};
-    static constexpr Limit normal_force = {"normal_force", "N", {0.0, 50.0}};
-    static constexpr Limit switch_time = {"switch_time", "s", {0.001, 5.0}};
-    static constexpr Limit min_axis_cosine = {"min_axis_cosine", "", Range::positive_to(1.0)};
-    static constexpr Limit normal_bandwidth = {"normal_bandwidth", "rad/s", {1.0, 500.0}};
-    static constexpr Limit approach_speed = {"approach_speed", "m/s", {1e-4, 0.2}};
-    static constexpr Limit approach_overtravel = {"approach_overtravel", "m", {0.0, 0.5}};
-    static constexpr Limit approach_lag = {"approach_lag", "m", {1e-4, 0.05}};
-    static constexpr Limit retreat_height = {"retreat_height", "m", {0.0, 0.5}};
-    static constexpr Limit tip_radius = {"tip_radius", "m", {0.0, 0.05}};
-    static constexpr Limit tip_stiffness = {"tip_stiffness", "N/m", {0.0, 1e7}};
-    static constexpr Limit friction = {"friction", "", {0.0, 3.0}};
-    static constexpr Limit normal_error = {"normal_error", "deg", {0.0, 60.0}};
-    static constexpr Limit friction_feedforward = {"friction_feedforward", "", {0.0, 3.0}};
-    static constexpr Limit fade_speed = {"fade_speed", "m/s", Range::positive()};
-    static constexpr Limit contact_stiffness_max = {"contact_stiffness_max", "N/m", {1.0, 1e7}};
-    static constexpr Limit natural_mass_max = {"natural_mass_max", "kg", {0.1, 1000.0}};
-    static constexpr Limit null_stiffness = {"null_stiffness", "Nm/rad", {0.0, 500.0}};
-    static constexpr Limit null_damping_ratio = {"null_damping_ratio", "", {0.0, 3.0}};
-    static constexpr Limit limit_margin = {"limit_margin", "rad", {0.001, 1.0}};
-    static constexpr Limit limit_torque = {"limit_torque", "Nm", {0.0, 300.0}};
-    static constexpr Limit tip_speed_limit = {"tip_speed_limit", "m/s", {0.001, 5.0}};
-    static constexpr Limit turn_speed_limit = {"turn_speed_limit", "rad/s", {0.01, 50.0}};
-    static constexpr Limit torque_rate = {"torque_rate", "Nm/s", {1.0, 1e6}};
-  };
 
   // K' of damping.h: the stiffness, or the reference stiffness for an axis with zero stiffness.
   TipGain damping_stiffness() const;

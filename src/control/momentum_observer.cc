@@ -6,13 +6,11 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/control/describe_control.h"
 
 namespace impedraw {
 
-void ObserverSettings::validate() const {
-  require_in_range("control.observer", Limits::bandwidth, bandwidth);
-  require_in_range("control.observer", Limits::limit, limit);
-}
+void ObserverSettings::validate() const { require_ranges("control.observer", *this); }
 
 MomentumObserver::MomentumObserver(const ObserverSettings& settings, int joints, double dt,
                                    double wrench_age, double torque_delay)

@@ -18,7 +18,6 @@
 #include <array>
 #include <vector>
 
-#include "impedraw/common/range.h"
 #include "impedraw/control/arm_terms.h"
 
 namespace impedraw {
@@ -31,12 +30,6 @@ struct ObserverSettings {
   // of it (impedance.h), is compensated only where it would move the tip, so that a push on the
   // arm's body moves the arm through its null space. Empty: no such bound.
   std::vector<double> yield_limit;
-
-  struct Limits {
-    static constexpr Limit bandwidth = {"bandwidth", "rad/s", {1.0, 900.0}};
-    static constexpr Limit limit = {"limit", "Nm", {0.0, 1000.0}};
-    static constexpr Limit yield_limit = {"yield_limit", "Nm", {0.0, 1000.0}};
-  };
 
   void validate() const;  // throws InputError naming the setting and what is valid
 };

@@ -85,10 +85,6 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
     setting_errors.locate({"drawing.layer"}, [&] { choose_layers(artwork, s.layer); });
   setting_errors.locate({"drawing.svg", "drawing.text.text", "drawing"},
                         [&] { require_few(artwork); });
-  if (!s.dashes) break_dashes(artwork, false);
-  if (s.join_gap_mm > 0.0)
-    // before the dashes, whose gaps are to stay
-    artwork.strokes = joined(artwork.strokes, s.join_gap_mm);
   setting_errors.locate({"drawing.dashes", "drawing.svg"},
                         [&] { break_dashes(artwork, s.dashes); });
 

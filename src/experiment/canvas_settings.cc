@@ -6,23 +6,13 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "impedraw/canvas/describe_built_in.h"
 #include "impedraw/canvas/mesh_check.h"
 #include "impedraw/common/roll_pitch_yaw.h"
+#include "impedraw/simulation/describe_world.h"
 
 namespace impedraw {
 namespace {
-
-// Straight into the shape's own group: canvas.wave.centre.
-void describe_footprint(Fields& f, FootprintSettings& s) {
-  using Limits = FootprintSettings::Limits;
-  f.field(Limits::centre, s.centre,
-          "Centre of the rectangle that the surface stands on; z is where its height is 0.");
-  f.field(Limits::heading, s.heading_deg,
-          "Direction of the surface's x axis, counter-clockwise as seen from above.");
-  f.field(Limits::width, s.width, "Size along its x axis.");
-  f.field(Limits::height, s.height, "Size along its y axis.");
-  f.field(Limits::edge, s.edge, "Longest side of a mesh cell, as seen from above.");
-}
 
 TriangleMesh make_mesh(const MeshSettings& s, std::vector<std::string>* repaired) {
   if (s.file.empty())
@@ -61,82 +51,6 @@ std::optional<double> metres(LengthUnit unit) {
                                   : std::optional(kMetres[static_cast<std::size_t>(unit)]);
 }
 
-void describe(Fields& f, CapSettings& s) {
-  using Limits = CapSettings::Limits;
-  f.field(Limits::radius, s.radius, "Radius of the sphere.");
-  f.field(Limits::centre, s.centre, "Centre of the sphere.");
-  f.field(Limits::opening_radius, s.opening_radius,
-          "Radius of the circle at which the cap ends: radius × sin(slope there).");
-  f.field(Limits::edge, s.edge, "Edge length of a mesh triangle.");
-}
-
-void describe(Fields& f, PlaneSettings& s) {
-  using Limits = PlaneSettings::Limits;
-  f.field(Limits::centre, s.centre, "Centre of the rectangle.");
-  f.field(Limits::normal, s.normal, "Normal of the side that is drawn on.");
-  f.field(Limits::width, s.width, "Size along x.");
-  f.field(Limits::height, s.height, "Size at right angles to that.");
-  f.field(Limits::edge, s.edge, "Side of a mesh cell.");
-}
-
-void describe(Fields& f, WaveSettings& s) {
-  using Limits = WaveSettings::Limits;
-  describe_footprint(f, s.footprint);
-  f.field(Limits::amplitude, s.amplitude,
-          "Amplitude of the wave: height = amplitude × sin(2π x/wavelength).");
-  f.field(Limits::wavelength, s.wavelength, "Wavelength along its x axis.");
-}
-
-void describe(Fields& f, SaddleSettings& s) {
-  describe_footprint(f, s.footprint);
-  f.field(SaddleSettings::Limits::radius, s.radius,
-          "Radius of curvature at the centre: height = (x² - y²)/(2 radius).");
-}
-
-void describe(Fields& f, CylinderSettings& s) {
-  using Limits = CylinderSettings::Limits;
-  f.field(Limits::middle, s.middle,
-          "Middle of the top line of a cylinder, or of the bottom line of a trough.");
-  f.field(Limits::heading, s.heading_deg,
-          "Direction of the level axis, counter-clockwise from x as seen from above.");
-  f.field(Limits::radius, s.radius, "Radius of the cylinder.");
-  f.field(Limits::length, s.length, "Length along the axis.");
-  f.field(Limits::width, s.width, "Width as seen from above: 2 radius × sin(slope at its sides).");
-  f.field(Limits::edge, s.edge, "Longest side of a mesh cell.");
-}
-
-void describe(Fields& f, ConeSettings& s) {
-  using Limits = ConeSettings::Limits;
-  f.field(Limits::apex, s.apex, "Apex of the cone.");
-  f.field(Limits::slope, s.slope_deg, "Slope of its side; the half-angle is 90° minus the slope.");
-  f.field(Limits::base_radius, s.base_radius, "Radius of the circle at which the cone ends.");
-  f.field(Limits::edge, s.edge, "Edge length of a mesh triangle.");
-}
-
-void describe(Fields& f, TerrainSettings& s) {
-  using Limits = TerrainSettings::Limits;
-  describe_footprint(f, s.footprint);
-  f.field(Limits::seed, s.seed, "Seed of the terrain.");
-  f.field(Limits::amplitude, s.amplitude, "Bound on the heights, above and below zero.");
-  f.field(Limits::feature, s.feature,
-          "Shortest wavelength of the hills; the longest is twice that.");
-}
-
-void describe(Fields& f, RoughSettings& s) {
-  using Limits = RoughSettings::Limits;
-  describe_footprint(f, s.footprint);
-  f.choice(
-      "form", s.form, {"fractal", "facets", "ridges", "ripple", "step", "hole", "lip"},
-      "Hills at every scale down to the wavelength; flat facets of that size; a zigzag; a "
-      "cylinder with waves along it; a step; a hole of that diameter; or a sheet above half of "
-      "another.");
-  f.field(Limits::seed, s.seed, "Seed of a fractal or of facets.");
-  f.field(Limits::slope, s.slope_deg, "Root-mean-square slope.");
-  f.field(Limits::wavelength, s.wavelength,
-          "Shortest wavelength, side of a facet, or diameter of the hole.");
-  f.field(Limits::height, s.height, "Height of the step, or of the upper sheet.");
-}
-
 void describe(Fields& f, MeshSettings& s) {
   f.field("file", s.file, fmt::format("Mesh file: {}.", kMeshFiles)).for_users();
   f.choice("unit", s.unit, {"file", "m", "mm", "cm", "in"},
@@ -153,28 +67,6 @@ void describe(Fields& f, MeshSettings& s) {
       "side", s.side, {"outward", "inward"},
       "Side that is drawn on; outward: the front of its triangles, and the outside of a closed "
       "mesh.");
-}
-
-void describe(Fields& f, CanvasMotionSettings& s) {
-  using Limits = CanvasMotionSettings::Limits;
-  f.field(Limits::centre, s.centre, "Point that the canvas turns and rolls about.");
-  f.field(Limits::start, s.start, "Time at which it starts to move.");
-  f.field(Limits::stop, s.stop, "Time at which it starts to stop; null: it never stops.");
-  f.field(Limits::ramp, s.ramp, "Time that it takes to reach its full motion, and to stop.");
-  f.field(Limits::speed, s.velocity, "Constant velocity, as on a conveyor.");
-  f.field(Limits::turn_axis, s.turn_axis, "Axis of a turntable.");
-  f.field(Limits::turn_speed, s.turn_speed, "Angular speed of the turntable.");
-  f.field(Limits::sway, s.sway, "Amplitude of a sinusoidal translation, heave or sway.");
-  f.field(Limits::sway_frequency, s.sway_frequency, "Its frequency.");
-  f.field(Limits::roll_axis, s.roll_axis, "Axis of a sinusoidal rotation.");
-  f.field(Limits::roll, s.roll, "Its amplitude.");
-  f.field(Limits::roll_frequency, s.roll_frequency, "Its frequency.");
-  f.field(Limits::jolts, s.jolts, "Root-mean-square displacement by random jolts, on each axis.");
-  f.field(Limits::jolt_bandwidth, s.jolt_bandwidth,
-          "Frequency up to which the spectrum of the jolts is flat.");
-  f.field("file", s.file,
-          "A recorded motion in place of all of these, CSV: t [s], x, y, z [m], qw, qx, qy, qz of "
-          "any frame fixed to the canvas, at least every 0.25 s.");
 }
 
 void describe(Fields& f, CanvasSettings& s) {

@@ -8,6 +8,7 @@
 
 #include "impedraw/control/contact_stability.h"
 #include "impedraw/control/damping.h"
+#include "impedraw/control/describe_control.h"
 #include "impedraw/control/impedance.h"
 #include "impedraw/sensing/touch_surface.h"
 #include "impedraw/simulation/joint_springs.h"
@@ -18,11 +19,8 @@ namespace {
 // Settings that the controller's checks look at, the likeliest culprit first.
 std::vector<std::string> control_setting_names() {
   std::vector<std::string> names;
-  for (const char* name :
-       {"wrench", "inertia", "mass_normal", "mass_tangent", "rotational_inertia_tangent",
-        "rotational_inertia_normal", "contact.leave_distance", "contact.enter_distance",
-        "contact_stiffness_max", "natural_mass_max", "damping_ratio", "stiffness_normal",
-        "stiffness_tangent"})
+  for (const char* name : {"wrench", "inertia", "mass_normal", "contact_stiffness_max",
+                           "damping_ratio", "stiffness_normal", "stiffness_tangent"})
     names.push_back(std::string("control.") + name);
   names.push_back("control");
   return names;
@@ -86,7 +84,7 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
     settings.contact.deepest += s.tool.depth;
     settings.friction.coefficient = kCutSpread * cut.drag / cut.normal;
     settings.friction.normal_error_deg =
-        std::min(ImpedanceSettings::Limits::normal_error.range.highest,
+        std::min(kNormalErrorRange.highest,
                  std::atan(kCutSpread * cut.side / cut.normal) * 180.0 / std::numbers::pi);
     settings.felt_normal.share = 0.0;  // it would take the cut's side force for a slope
   }

@@ -15,9 +15,7 @@ enum class ToolKind { pen, pad, engraver };
 struct ToolSettings {
   ToolKind kind = ToolKind::pen;
   double radius = PadSettings().radius;             // of a pad [m]
-  double foam_thickness = PadSettings().thickness;  // [m]
   double foam_stiffness = PadSettings().stiffness;  // [N/m³]
-  double foam_damping = PadSettings().damping;      // [N s/m³]
   double depth = 0.3e-3;                            // of an engraver's groove [m]
   double half_angle_deg = 45.0;                     // of its cone
   int passes = 1;                                   // to that depth, after a shallow one
@@ -25,9 +23,7 @@ struct ToolSettings {
 
   struct Limits {
     static constexpr Limit radius = PadSettings::Limits::radius;
-    static constexpr Limit foam_thickness = {"foam_thickness", "m", {1e-3, 0.1}};
     static constexpr Limit foam_stiffness = {"foam_stiffness", "N/m³", {1e4, 1e9}};
-    static constexpr Limit foam_damping = {"foam_damping", "N s/m³", {0.0, 1e6}};
     static constexpr Limit depth = {"depth", "m", {1e-4, 2e-3}};
     static constexpr Limit half_angle = {"half_angle", "deg", {10.0, 75.0}};
     static constexpr Limit passes = {"passes", "", {1, 20}};

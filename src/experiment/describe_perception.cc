@@ -38,25 +38,22 @@ void describe(Fields& f, NormalSettings& s) {
            "Whether the normal is fitted anew at each step or interpolated between normals fitted "
            "once.");
   f.field(Limits::k, s.k, "Number of nearest neighbours, equation (18).");
-  f.field(Limits::max_radius, s.max_radius, "Largest distance of a neighbour from the query.");
+  f.constant("max_radius", s.max_radius, Range::any(), "m");
   f.choice("weighting", s.weighting, {"uniform", "smooth"},
            "Weights of the neighbours: all equal, as in the paper, or fading out with distance.");
   f.choice("fit", s.fit, {"plane", "quadric"},
            "Surface fitted through the neighbours: a plane, as in the paper, or a quadric.");
-  f.field(Limits::max_one_sidedness, s.max_one_sidedness,
-          "One-sidedness of the neighbours above which the tip is taken to be off the cloud's "
-          "edge.");
+  f.constant("max_one_sidedness", s.max_one_sidedness, Range::any(), "");
 }
 
 void describe(Fields& f, FrameSettings& s) {
-  using Limits = FrameSettings::Limits;
   f.field("enabled", s.enabled, "Cameras keep capturing; off: one snapshot before drawing.");
-  f.field(Limits::rate, s.rate, "Frames of each camera in a second.");
-  f.field(Limits::latency, s.latency, "Mean time from a frame's exposure to its use.");
-  f.field(Limits::latency_jitter, s.latency_jitter, "Standard deviation of that time.");
-  f.field(Limits::drop, s.drop, "Share of the frames that never arrive.");
+  f.field("rate", s.rate, {1.0, 200.0}, "Hz", "Frames of each camera in a second.");
+  f.field("latency", s.latency, {0.0, 0.5}, "s", "Mean time from a frame's exposure to its use.");
+  f.field("latency_jitter", s.latency_jitter, {0.0, 0.1}, "s", "Standard deviation of that time.");
+  f.field("drop", s.drop, Range::to_below(0.0, 1.0), "", "Share of the frames that never arrive.");
   f.field(
-      Limits::stamp_error, s.stamp_error,
+      "stamp_error", s.stamp_error, {-0.2, 0.2}, "s",
       "Subtracted from a frame's time stamp to have its exposure; ./impedraw arm camera-latency "
       "finds it.");
   f.field("prediction", s.prediction,
@@ -66,22 +63,22 @@ void describe(Fields& f, FrameSettings& s) {
   f.field("wait_for_rest", s.wait_for_rest,
           "For a canvas that is moved by hand between strokes: while it moves, the pen waits above "
           "it and the plan's clock stands.");
-  f.field(Limits::skew, s.skew, "Time from one camera's exposure to the next one's.");
+  f.field("skew", s.skew, {0.0, 0.1}, "s", "Time from one camera's exposure to the next one's.");
   f.field("depth", s.depth,
           "Frames carry depths, by which the canvas's own shape tells where it is; off: marks "
           "alone do.");
-  f.field(Limits::depth_every, s.depth_every, "Every how many-th frame carries depths.");
+  f.field("depth_every", s.depth_every, {1, 1000}, "", "Every how many-th frame carries depths.");
   f.field("grow_surface", s.grow_surface,
           "Depths improve the surface under the pen; off: it stays as the snapshot saw it.");
   f.field("region_of_interest", s.region_of_interest,
           "A simulator casts only the rays of a frame that may meet the canvas; off: every pixel. "
           "The images are the same.");
-  f.field(Limits::width, s.width, "Width of a frame.");
-  f.field(Limits::height, s.height, "Height of a frame.");
+  f.field("width", s.width, {16, 4096}, "px", "Width of a frame.");
+  f.field("height", s.height, {16, 4096}, "px", "Height of a frame.");
 }
 
 void describe(Fields& f, Fiducial& s) {
-  f.field(Fiducial::Limits::position, s.p_K, "Position, while the canvas has not moved.");
+  f.field("position", s.p_K, {-10.0, 10.0}, "m", "Position, while the canvas has not moved.");
 }
 
 void describe(Fields& f, FiducialSettings& s) {
@@ -116,8 +113,7 @@ void describe(Fields& f, PerceptionSettings& s) {
   f.field("adapt", s.adapt,
           "Uses smaller patches, down to a quarter, where the surface is rougher than noise "
           "explains.");
-  f.field(Limits::self_padding, s.self_padding,
-          "Distance from the arm below which points are removed.");
+  f.constant("self_padding", s.self_padding, Range::any(), "m");
   f.field("region_lower", s.region_lower, {-10.0, 10.0}, "m",
           "Lower corner of the region of interest.");
   f.field("region_upper", s.region_upper, {-10.0, 10.0}, "m",

@@ -11,6 +11,7 @@
 #include "impedraw/experiment/plan_notes.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/experiment/start_posture.h"
+#include "impedraw/planning/describe_path.h"
 #include "impedraw/planning/preflight/crawl.h"
 #include "impedraw/planning/stroke_ruler.h"
 
@@ -38,9 +39,9 @@ Finding off_patch(const std::vector<PlacedStroke>& flat, const StrokePart& part,
 
 // The speed that the line alone permits: neither the surface nor the arm's joints slow it down.
 PathSettings unhindered(PathSettings s) {
-  s.normal_acceleration = PathSettings::Limits::normal_acceleration.range.highest;
-  s.tilt_speed = PathSettings::Limits::tilt_speed.range.highest;
-  s.tilt_acceleration = PathSettings::Limits::tilt_acceleration.range.highest;
+  s.normal_acceleration = kNormalAccelerationRange.highest;
+  s.tilt_speed = kTiltSpeedRange.highest;
+  s.tilt_acceleration = kTiltAccelerationRange.highest;
   return s;
 }
 

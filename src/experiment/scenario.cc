@@ -3,6 +3,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "impedraw/control/describe_control.h"
+#include "impedraw/planning/describe_path.h"
+#include "impedraw/planning/preflight/describe_preflight.h"
+#include "impedraw/sensing/describe_touch.h"
+#include "impedraw/simulation/describe_world.h"
+
 namespace impedraw {
 
 PerceptionSettings::PerceptionSettings() {
@@ -79,13 +85,9 @@ void describe(Fields& f, HatchSettings& s) {
 }
 
 void describe(Fields& f, WrapSettings& s) {
-  using Limits = WrapSettings::Limits;
-  f.field(Limits::spacing, s.spacing,
-          "Spacing of the grid that samples the surface, in the drawing plane.");
-  f.field(Limits::margin, s.margin,
-          "Margin of the flattened patch around the drawing; at least two spacings.");
-  f.field(Limits::tolerance, s.tolerance,
-          "Largest distance of a wrapped line from its polyline, in the drawing plane.");
+  f.constant("spacing", s.spacing, Range::any(), "m");
+  f.constant("margin", s.margin, Range::any(), "m");
+  f.constant("tolerance", s.tolerance, Range::any(), "m");
 }
 
 void describe(Fields& f, DrawingSettings& s) {
@@ -109,8 +111,7 @@ void describe(Fields& f, DrawingSettings& s) {
   f.field("layer", s.layer,
           "Layers that are drawn, by number or name, as in '2,black'; empty: all of them.")
       .for_users();
-  f.field("join_gap", s.join_gap_mm, {0.0, 100.0}, "mm",
-          "Largest gap on the page between ends of strokes that are joined; 0: none are joined.");
+  f.constant("join_gap", 0.0, Range::any(), "mm");
   f.field("dashes", s.dashes, "Draws dashed lines of an SVG as dashes.");
   f.field("hatch", s.hatch, "Hatching of an SVG's filled areas.");
   f.field("simplify", s.simplify_mm, {0.0, 100.0}, "mm",
@@ -139,34 +140,6 @@ void describe(Fields& f, DrawingSettings& s) {
   f.field("placement", s.placement,
           "Placement of the page on the canvas. A built-in shape has scale 1 unless a size is "
           "given.");
-}
-
-void describe(Fields& f, PreflightSettings& s) {
-  using Limits = PreflightSettings::Limits;
-  f.field("arm", s.arm,
-          "Checks the arm's reach, joints, torques and collisions; off: only the surface is "
-          "checked.");
-  f.field(Limits::step, s.step, "Distance between the postures that are checked along a stroke.");
-  f.constant(Limits::edge_tolerance, s.edge_tolerance);
-  f.field(Limits::edge_margin, s.edge_margin,
-          "Distance kept from edges and holes of the surface, along the stroke.");
-  f.field(Limits::shortest, s.shortest,
-          "Length below which the remainder of a stroke is not drawn.");
-  f.field(Limits::least_speed, s.least_speed,
-          "Mean speed of the drawing, but at most half of path.draw_speed. What the surface or the "
-          "joints slow down too far for it is not drawn; 0: all is drawn.");
-  f.field(Limits::roughest, s.roughest,
-          "RMS height that the cameras do not resolve, beyond which a place is not drawn on: ink "
-          "would lie over 0.5 mm off the line. 8e-4: only steps are kept off.");
-  f.field(Limits::max_slope, s.max_slope_deg,
-          "Largest angle between the surface normal and the drawing axis.");
-  f.constant(Limits::fold_height, s.fold_height);
-  f.field(Limits::joint_margin, s.joint_margin, "Margin that each joint keeps from its limits.");
-  f.constant(Limits::max_joint_step, s.max_joint_step);
-  f.field(Limits::clearance, s.clearance,
-          "Distance that arm and pen keep from canvas and table; the pen's grows from zero at the "
-          "tip.");
-  f.field(Limits::table_z, s.table_z, "Height of a table; null: there is none.");
 }
 
 void describe(Fields& f, ArmSettings& s) {
@@ -204,13 +177,12 @@ void describe(Fields& f, ArmSettings& s) {
           "impedraw element says, else none. With torque_bandwidth: what the torque loop leaves of "
           "it, and by default joint_stiffness/torque_bandwidth².")
       .or_one();
-  f.field("joint_stiffness", s.joint_stiffness, JointSpringSettings::Limits::stiffness.range,
-          "Nm/rad",
+  f.field("joint_stiffness", s.joint_stiffness, kSpringStiffnessRange, "Nm/rad",
           "Stiffness of the joints' gears and torque sensors: one for all joints or one for each; "
           "empty: rigid. The set-up rehearses with it what observer the arm bears.")
       .or_one();
-  f.field("torque_bandwidth", s.torque_bandwidth, JointSpringSettings::Limits::loop_bandwidth.range,
-          "rad/s", "Bandwidth of the arm's own torque loop; 0: none.");
+  f.field("torque_bandwidth", s.torque_bandwidth, kTorqueLoopRange, "rad/s",
+          "Bandwidth of the arm's own torque loop; 0: none.");
   f.field("posture_seed", s.posture_seed, {-3.2, 3.2}, "rad",
           "Joint angles from which the inverse kinematics starts, one per joint; empty: those of "
           "the iiwa for seven joints, else found by a search.");
@@ -235,23 +207,6 @@ void describe(Fields& f, FenceSettings& s) {
           "Distance of the tip from the point that it is driven to that ends the run after 0.1 s.");
 }
 
-void describe(Fields& f, TouchSettings& s) {
-  using Limits = TouchSettings::Limits;
-  f.field(Limits::slope, s.slope,
-          "Slope of the surface that is thought likely before the first touch, a standard "
-          "deviation.");
-  f.field(Limits::curvature, s.curvature, "Curvature of the surface, a standard deviation.");
-  f.constant(Limits::curvature_length, s.curvature_length);
-  f.field(Limits::position_noise, s.position_noise, "Noise of a touched point's height.");
-  f.field(Limits::force_noise, s.force_noise, "Noise of the slope that a measured force tells.");
-  f.field(Limits::spacing, s.spacing, "Distance between the touched points that are used.");
-  f.constant(Limits::slip_speed, s.slip_speed);
-  f.field(Limits::turn_rate, s.turn_rate, "Largest angular speed of the learned normal.");
-  f.field(Limits::search, s.search,
-          "Depth beneath a surface that has been touched at which it has ended.");
-  f.constant(Limits::settle_time, s.settle_time);
-}
-
 void describe(Fields& f, BlindSettings& s) {
   f.choice("height", s.height, {"canvas", "plane", "touch"},
            "What is known of the surface's height without perception. canvas: all; plane: that it "
@@ -262,61 +217,6 @@ void describe(Fields& f, BlindSettings& s) {
   f.field("top_z", s.top_z, {-2.0, 2.0}, "m",
           "Level above the surface, along the drawing axis, for height: plane and touch.");
   f.field("touch", s.touch, "How the surface is learned from touch, for height: touch.");
-}
-
-void describe(Fields& f, PathSettings& s) {
-  using Limits = PathSettings::Limits;
-  f.field(Limits::start_hold, s.start_hold, "Time at rest before the first motion.");
-  f.field(Limits::hover_height, s.hover_height,
-          "Height above the first point of a stroke at which the approach begins.");
-  f.field(Limits::approach_speed, s.approach_speed, "Speed of the approach to the first point.");
-  f.field(Limits::settle_time, s.settle_time, "Time at the first point before drawing.");
-  f.field(Limits::draw_speed, s.draw_speed, "Speed along a stroke, on the surface.").for_users();
-  f.field(Limits::draw_acceleration, s.draw_acceleration,
-          "Largest acceleration of the desired tip along a stroke.");
-  f.field(Limits::end_hold, s.end_hold, "Time at the last point before the lift.");
-  f.field(Limits::dot_time, s.dot_time, "Time for which a dot is held.");
-  f.field(Limits::travel_speed, s.travel_speed, "Speed between strokes.");
-  f.field(Limits::travel_acceleration, s.travel_acceleration,
-          "Largest acceleration between strokes.");
-  f.field(Limits::turn_speed, s.turn_speed, "Angular speed of the pen axis between strokes.");
-  f.field(Limits::turn_acceleration, s.turn_acceleration,
-          "Angular acceleration of the pen axis between strokes.");
-  f.field(Limits::safe_height, s.safe_height,
-          "Height of travel above the highest point of the drawing.");
-  f.field(Limits::smoothing_time, s.smoothing_time, "Time over which an acceleration builds up.");
-  f.field(Limits::corner_angle, s.corner_angle_deg,
-          "Turn of a stroke above which it has a corner, where the pen stops.");
-  f.field(Limits::normal_smoothing, s.normal_smoothing,
-          "Length over which the normals along a stroke are averaged.");
-  f.field(Limits::normal_acceleration, s.normal_acceleration,
-          "Largest acceleration across the surface, which its curvature makes: a rough surface is "
-          "drawn on slower.");
-  f.field(
-      Limits::force_rate, s.force_rate,
-      "Fastest change of the force where lines swell, at draw_speed. Where a width jumps, the line "
-      "is lighter beside the jump.");
-  f.field(
-      Limits::normal_speed, s.normal_speed,
-      "Largest speed across the surface that roughness finer than the cameras resolve may cause.");
-  f.field(Limits::joint_speed_share, s.joint_speed_share,
-          "Share of the arm's joint speed limits that a stroke may use.");
-  f.field(Limits::joint_acceleration, s.joint_acceleration,
-          "Largest acceleration of a joint along a stroke.");
-  f.field(Limits::joint_torque_share, s.joint_torque_share,
-          "Share of the torque that the controller may use (control.torque_share) for holding, "
-          "pressing and motion along a stroke.");
-  f.field(Limits::tilt_allowance, s.tilt_allowance_deg,
-          "Largest angle by which the pen's axis may leave the surface normal where it would "
-          "otherwise turn faster than tilt_speed or tilt_acceleration.");
-  f.field(Limits::tilt_speed, s.tilt_speed,
-          "Largest angular speed of the pen's axis along a stroke.");
-  f.field(Limits::tilt_acceleration, s.tilt_acceleration,
-          "Largest angular acceleration of the pen's axis along a stroke.");
-  f.field(Limits::tolerance, s.tolerance, "Largest distance of the desired line from the artwork.");
-  f.field(Limits::rounding, s.rounding,
-          "The same beside a vertex where the artwork turns by more than 5°, as letters made of "
-          "straight lines do; at most a fortieth of the shorter line there.");
 }
 
 void describe(Fields& f, GivenPen& s) {
@@ -343,10 +243,9 @@ void describe(Fields& f, LayerPenSettings& s) {
   f.field("layer", s.layer, "Number or name of the layer, as for drawing.layer.");
   f.field("colour", s.colour,
           "Colour of its ink, a name or #rrggbb; empty: that of the layer's first line.");
-  f.field("force", s.force, ImpedanceSettings::Limits::normal_force.range, "N",
+  f.field("force", s.force, kForceRange, "N",
           "Force of lines without a width of their own; null: control.normal_force.");
-  f.field("speed", s.speed, PathSettings::Limits::draw_speed.range, "m/s",
-          "Speed of this pen; null: path.draw_speed.");
+  f.field("speed", s.speed, kDrawSpeedRange, "m/s", "Speed of this pen; null: path.draw_speed.");
   f.field(Limits::width, s.width, "Line width at the nominal force; null: that of pen.");
   f.field(Limits::width_per_newton, s.width_per_newton,
           "Change of the line width with the force; null: that of pen.");
@@ -364,9 +263,9 @@ void describe(Fields& f, ToolSettings& s) {
            "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
            "foam. engraver: a turning cone that cuts grooves.");
   f.field(Limits::radius, s.radius, "Radius of the pad.");
-  f.field(Limits::foam_thickness, s.foam_thickness, "Thickness of the pad's foam.");
+  f.constant("foam_thickness", PadSettings().thickness, Range::any(), "m");
   f.field(Limits::foam_stiffness, s.foam_stiffness, "Pressure of the foam per compression.");
-  f.field(Limits::foam_damping, s.foam_damping, "Pressure of the foam per rate of compression.");
+  f.constant("foam_damping", PadSettings().damping, Range::any(), "N s/m³");
   f.field(Limits::depth, s.depth, "Depth of the engraver's groove below the surface.");
   f.field(Limits::half_angle, s.half_angle_deg, "Half of the angle of the engraver's cone.");
   f.field(Limits::passes, s.passes,
@@ -395,13 +294,39 @@ void describe(Fields& f, LogSettings& s) {
            "metrics.json, and rows at 62.5 Hz and at the extremes of the force");
 }
 
-// Elsewhere: describe_perception.cc, describe_control.cc, describe_world.cc.
+void describe(Fields& f, PushSettings& s) {
+  f.field("force", s.force, {0.0, 200.0}, "N",
+          "Force: tangential on the pen tip, or as it is on a link.");
+  f.field("link", s.link,
+          "Link of the arm that is pushed at its origin, such as link_4, the elbow; empty: the "
+          "pen.");
+  f.field("direction", s.direction_W, {-1.0, 1.0}, "",
+          "Direction of the force in world axes; on the pen it is projected onto the canvas's "
+          "tangent plane.");
+  f.field("lift", s.lift, {-200.0, 200.0}, "N",
+          "Additional force on the pen along the canvas's outward normal.");
+  f.field("middle", s.middle, {0.0, 1.0}, "",
+          "Middle of the push, as a fraction of the time from the start of the first stroke to the "
+          "end of the last.");
+  f.field("duration", s.duration, {0.0, 1000.0}, "s", "Duration of the push.");
+}
+
+void describe(Fields& f, FaultSettings& s) {
+  f.choice("kind", s.kind,
+           {"nan_state", "stale_state", "nan_wrench", "stale_wrench", "no_cloud", "no_frames",
+            "slow_step", "jumped_state", "drifting_state", "standing_state", "false_speed",
+            "false_wrench", "future_wrench"},
+           "Fault around the controller.");
+  f.field("start", s.start, {0.0, 1.0}, "",
+          "Start of the fault, as a fraction of the time from the start of the first stroke to the "
+          "end of the last.")
+      .formerly("middle");
+  f.field("duration", s.duration, {0.0, 1000.0}, "s", "Duration of the fault.");
+}
+
+// Elsewhere: describe_perception.cc, describe_control.cc.
 void describe(Fields& f, PerceptionSettings& s);
 void describe(Fields& f, ControlSettings& s);
-void describe(Fields& f, WorldSettings& s);
-void describe(Fields& f, WrenchSensorSettings& s);
-void describe(Fields& f, PushSettings& s);
-void describe(Fields& f, FaultSettings& s);
 
 void describe(Fields& f, Scenario& s) {
   f.field("name", s.name, "Name of the run, and of its folder.").for_users();
@@ -435,8 +360,10 @@ bool is_rehearsal(const Scenario& s) {
 
 std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force) {
   if (tool.kind != ToolKind::pad) return std::nullopt;
-  PadSettings pad{
-      tool.radius, tool.foam_thickness, tool.foam_stiffness, tool.foam_damping, friction, 0.0};
+  PadSettings pad;
+  pad.radius = tool.radius;
+  pad.stiffness = tool.foam_stiffness;
+  pad.friction = friction;
   pad.rest = force / (pad.stiffness * pad.area());
   return pad;
 }

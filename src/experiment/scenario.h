@@ -44,9 +44,7 @@ struct DrawingSettings {
   PageUnit unit = PageUnit::file;         // of a stroke file's numbers
   Visible visible = Visible::as_painted;  // of an SVG
   LayerSource layers = LayerSource::automatic;
-  std::string layer;  // numbers and names of the layers that are drawn; empty: all
-  // Joins stroke ends of a file that are closer than this [mm on the page]; 0: off.
-  double join_gap_mm = 0.0;
+  std::string layer;         // numbers and names of the layers that are drawn; empty: all
   bool dashes = true;        // of an SVG's strokes
   HatchSettings hatch;       // of an SVG's fills
   double simplify_mm = 0.0;  // tolerance for removing points [mm on the page]
@@ -185,8 +183,6 @@ struct JointSensingSettings {
   double bandwidth = JointStateEstimatorSettings().bandwidth;  // of the estimator [rad/s]
   double least_bandwidth = JointStateEstimatorSettings().least_bandwidth;  // with noise [rad/s]
   std::optional<double> sensor_delay;  // absent: the true delay [s]
-
-  using Limits = JointStateEstimatorSettings::Limits;
 };
 
 // FeltNormalSettings of a scenario.
@@ -194,11 +190,10 @@ struct GivenFeltNormal {
   std::optional<double> share;  // none: by the surface's roughness (plan_notes.h)
   double deviation = FeltNormalSettings().deviation;
   double force_error = FeltNormalSettings().force_error;
-
-  using Limits = FeltNormalSettings::Limits;
 };
 
-// bandwidth: none: that of ObserverSettings, faster where the description has dry friction (scene.cc).
+// bandwidth: none: that of ObserverSettings, faster where the description has dry friction
+// (scene.cc).
 struct GivenObserver : ObserverSettings {
   std::optional<double> bandwidth;  // [rad/s]
 };
@@ -225,8 +220,6 @@ struct ControlSettings : ImpedanceSettings {
   std::optional<double> torque_delay;
   // Stiffness of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.
   std::vector<double> null_stiffness;
-
-  using Limits = ImpedanceSettings::Limits;
 };
 
 // A push on the pen or on a link of the arm, like that of a hand.

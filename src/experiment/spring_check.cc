@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/simulation/describe_world.h"
 #include "impedraw/simulation/joint_springs.h"
 
 namespace impedraw {
@@ -18,7 +19,7 @@ JointSpringSettings springs_as_stated(const ArmSettings& s, const ArmModel& arm,
   springs.loop_bandwidth = faster * s.torque_bandwidth;
   for (const double B : arm.rotor_inertia())
     springs.rotor_inertia.push_back(
-        std::min(JointSpringSettings::Limits::rotor_inertia.range.highest,
+        std::min(kSpringRotorRange.highest,
                  s.torque_bandwidth > 0.0 ? kRotors * B : B));
   return springs;
 }

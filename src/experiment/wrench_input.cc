@@ -8,11 +8,9 @@ WrenchEstimatorSettings estimator_settings(const SensingSettings& sensing,
   WrenchEstimatorSettings s;
   s.dt = dt;
   s.tool = sensing.tool;
-  s.removal = sensing.removal;
   s.X_ES.p = {0.0, 0.0, -sensing.tip_distance};
   s.gravity_W = {0.0, 0.0, -gravity};
   s.sensor_delay = sensing.sensor_delay.value_or(sensor.delay);
-  s.filter_bandwidth = sensing.filter_bandwidth;
   s.tare_time = sensing.tare_time;
   // A reading at the end of the range is rounded to a whole quantum, which may lie below it.
   if (sensor.range_force > 0.0) s.range_force = sensor.range_force - sensor.quantum_force;

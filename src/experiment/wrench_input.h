@@ -24,11 +24,10 @@ struct SensingSettings {
   Tool tool{0.05,
             {0.0, 0.0, 0.06},
             Eigen::Vector3d(6e-5, 6e-5, 6.25e-7).asDiagonal()};  // the pen of models/
-  ToolRemoval removal;
-  double tip_distance = 0.12;          // of the tip E from the sensor's origin, along the pen [m]
+  static constexpr double tip_distance =
+      0.12;                            // of the tip E from the sensor's origin, along the pen [m]
   std::optional<double> sensor_delay;  // absent: the true delay [s]
-  double filter_bandwidth = 0.0;       // [rad/s]; 0: none
-  double tare_time = 0.4;              // [s]
+  static constexpr double tare_time = 0.4;  // [s]
 };
 
 // Estimator settings for the time step dt [s] and the given sensor.

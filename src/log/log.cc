@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstring>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -98,8 +99,7 @@ void as_log_error(const std::filesystem::path& path, const auto& work) {
 struct RunLog::Writer {
   std::filesystem::path path, part;  // of the log and of the file that will replace it
   RunLogHeader header;
-  int joints, terms;
-  bool joint_sensor, line_width, moving_canvas;
+  int joints;
   std::unique_ptr<LogFile> file;
   std::unique_ptr<JournalWriter> journal;  // none while an earlier journal is read
   // In the order of LogTable: the rows and, in a reduced log, the steps.
@@ -118,10 +118,6 @@ struct RunLog::Writer {
         part(unfinished(log)),
         header(given),
         joints(static_cast<int>(header.joint_names.size())),
-        terms(static_cast<int>(header.torque_terms.size())),
-        joint_sensor(header.joint_sensor),
-        line_width(header.line_width),
-        moving_canvas(header.moving_canvas),
         measured(header) {
     streams.push_back(std::make_unique<Stream>(LogTable::rows, header.rate, log_columns(header)));
     if (header.rate == LogRate::full) return;
@@ -203,27 +199,28 @@ struct RunLog::Writer {
     }
   }
 
+  // `visit`: calls what it is given with each column, as visit_row() and visit_step() do.
   void add(Stream& stream, const auto& visit) {
     const std::size_t head = stream.head.load(std::memory_order_relaxed);
     make_room(stream, head);
     std::size_t c = 0;
-    visit([&](const void* data, int count, std::size_t size) {
-      std::memcpy(stream.slot(c++, head), data, static_cast<std::size_t>(count) * size);
+    visit([&](const char*, const auto& value, const auto&...) {
+      put_value(value, [&](const void* data, int count, std::size_t size) {
+        std::memcpy(stream.slot(c++, head), data, static_cast<std::size_t>(count) * size);
+      });
     });
     advance(stream, head + 1);
   }
 
   void add_row(const LogRow& row) {
-    add(*streams[0], [&](const auto& put) {
-      put_row(row, terms, joint_sensor, line_width, moving_canvas, put);
-    });
+    add(*streams[0], [&](const auto& put) { visit_row(row, header, put); });
   }
 
   void append(const LogRow& row) {
     ++steps;
     if (!selection) return add_row(row);
     const LogStep step = measured.measure(row);
-    add(*streams[1], [&](const auto& put) { put_step(step, put); });
+    add(*streams[1], [&](const auto& put) { visit_step(step, "", put); });
     selection->add(row, step.force, [this](const LogRow& kept) { add_row(kept); });
   }
 
@@ -461,7 +458,8 @@ void RunLog::append(const LogRow& row) {
   if (w.failed.load(std::memory_order_relaxed)) throw LogError(w.cause);
   bool fits = row.joint_position.size() == w.joints && row.joint_velocity.size() == w.joints &&
               row.joint_torque.size() == w.joints;
-  for (int i = 0; i < w.terms; ++i) fits = fits && row.torque_terms[i].size() == w.joints;
+  for (std::size_t i = 0; i < w.header.torque_terms.size(); ++i)
+    fits = fits && row.torque_terms[i].size() == w.joints;
   if (!fits)
     throw std::invalid_argument("run log: a row's joint vectors must have " +
                                 std::to_string(w.joints) + " values");

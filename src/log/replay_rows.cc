@@ -17,38 +17,26 @@ bool ReplayLog::cut_short() const { return log_->cut_short(); }
 bool ReplayLog::reduced() const { return log_->rate() == LogRate::reduced; }
 
 bool ReplayLog::read(std::size_t begin, std::size_t n, ReplayRows* rows) const {
-  const int j = joints();
-  bool whole = true;
-  const auto take = [&](const std::string& name, int width, bool integer, void* out) {
-    whole = whole && log_->read(name, width, integer, begin, n, out);
-  };
-  const auto column = [&](const std::string& name, int width, bool integer, auto& out) {
-    out.resize(n);
-    take(name, width, integer, out.data());
-  };
-  const auto joint_column = [&](const std::string& name, ReplayRows::Joints& out) {
-    out.resize(static_cast<Eigen::Index>(n), j);
-    take(name, j, false, out.data());
-  };
-  column("/time", 1, false, rows->time);
-  joint_column("/joint/position", rows->joint_position);
-  joint_column("/joint/velocity", rows->joint_velocity);
-  joint_column("/joint/torque", rows->joint_torque);
+  RowBlock block(*log_, begin, n);
+  block.read("/time", &rows->time);
+  block.read("/joint/position", &rows->joint_position);
+  block.read("/joint/velocity", &rows->joint_velocity);
+  block.read("/joint/torque", &rows->joint_torque);
   rows->torque_terms.resize(torque_terms().size());
   for (std::size_t k = 0; k < torque_terms().size(); ++k)
-    joint_column("/torque/" + torque_terms()[k], rows->torque_terms[k]);
-  column("/tip/position", 3, false, rows->tip_position);
-  column("/tip/orientation", 4, false, rows->tip_orientation);
-  column("/contact/force", 3, false, rows->contact_force);
-  column("/surface/normal", 3, false, rows->surface_normal);
+    block.read("/torque/" + torque_terms()[k], &rows->torque_terms[k]);
+  block.read("/tip/position", &rows->tip_position);
+  block.read("/tip/orientation", &rows->tip_orientation);
+  block.read("/contact/force", &rows->contact_force);
+  block.read("/surface/normal", &rows->surface_normal);
   if (canvas_moves()) {
-    column(kCanvasPoseColumn, 7, false, rows->canvas_pose);
-    column(kEstimatedCanvasPoseColumn, 7, false, rows->estimated_canvas_pose);
+    block.read(kCanvasPoseColumn, &rows->canvas_pose);
+    block.read(kEstimatedCanvasPoseColumn, &rows->estimated_canvas_pose);
   }
-  column("/surface/distance", 1, false, rows->surface_distance);
-  column("/mode", 1, true, rows->mode);
-  column("/stroke", 1, true, rows->stroke);
-  return whole;
+  block.read("/surface/distance", &rows->surface_distance);
+  block.read("/mode", &rows->mode);
+  block.read("/stroke", &rows->stroke);
+  return block.whole();
 }
 
 }  // namespace impedraw

@@ -125,8 +125,10 @@ bool add_steps(const LogReader& log, std::size_t begin, std::size_t n, StepCheck
     if (!log.read(column, begin, n, values.data())) return false;
     for (std::size_t i = 0; i < n; ++i) {
       std::size_t k = 0;
-      put_step(steps[i], [&](void* to, int, std::size_t) {
-        if (k++ == c) std::memcpy(to, values.data() + i * column.row_bytes(), column.row_bytes());
+      visit_step(steps[i], "", [&](const char*, auto& value, const auto&...) {
+        put_value(value, [&](void* to, int, std::size_t) {
+          if (k++ == c) std::memcpy(to, values.data() + i * column.row_bytes(), column.row_bytes());
+        });
       });
     }
   }

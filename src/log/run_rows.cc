@@ -7,75 +7,58 @@ namespace impedraw {
 
 bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns columns,
                RunRows* rows) {
-  bool whole = true;
-  const auto take = [&](const std::string& name, int width, bool integer, void* out) {
-    whole = whole && log.read(name, width, integer, begin, n, out);
-  };
-  const auto numbers = [&](const char* name, std::vector<double>& out) {
-    take(name, 1, false, (out.resize(n), out.data()));
-  };
-  const auto integers = [&](const char* name, std::vector<int>& out) {
-    take(name, 1, true, (out.resize(n), out.data()));
-  };
-  const auto points = [&](const char* name, RunRows::Points& out) {
-    take(name, 3, false, (out.resize(n), out.data()));
-  };
-  const int j = log.joints();
-  const auto joints = [&](const std::string& name, RunRows::Joints& out) {
-    take(name, j, false, (out.resize(static_cast<Eigen::Index>(n), j), out.data()));
-  };
-
-  numbers("/time", rows->time);
-  joints("/joint/position", rows->joint_position);
-  joints("/joint/velocity", rows->joint_velocity);
-  joints("/joint/torque", rows->joint_torque);
-  rows->torque_before_limits.resize(0, j);
+  RowBlock block(log, begin, n);
+  block.read("/time", &rows->time);
+  block.read("/joint/position", &rows->joint_position);
+  block.read("/joint/velocity", &rows->joint_velocity);
+  block.read("/joint/torque", &rows->joint_torque);
+  rows->torque_before_limits.resize(0, log.joints());
   RunRows::Joints term;
   for (const std::string& name : log.header().torque_terms) {
-    joints("/torque/" + name, term);
+    block.read("/torque/" + name, &term);
     if (rows->torque_before_limits.rows() == 0) {
       rows->torque_before_limits = term;
     } else {
       rows->torque_before_limits += term;
     }
   }
-  std::vector<Eigen::Vector4d> wxyz(n);
-  take("/tip/orientation", 4, false, wxyz.data());
+  std::vector<Eigen::Vector4d> wxyz;
+  block.read("/tip/orientation", &wxyz);
   rows->tip_orientation.clear();
   for (const Eigen::Vector4d& q : wxyz) rows->tip_orientation.emplace_back(q[0], q[1], q[2], q[3]);
-  points("/contact/force", rows->contact_force);
-  points("/contact/point", rows->contact_point);
-  points("/contact/normal", rows->contact_normal);
+  block.read("/contact/force", &rows->contact_force);
+  block.read("/contact/point", &rows->contact_point);
+  block.read("/contact/normal", &rows->contact_normal);
   if (log.has(kCanvasPoseColumn)) {
-    std::vector<Eigen::Matrix<double, 7, 1>> pose(n);
-    take(kCanvasPoseColumn, 7, false, pose.data());
+    std::vector<Eigen::Matrix<double, 7, 1>> pose;
+    block.read(kCanvasPoseColumn, &pose);
     for (std::size_t i = 0; i < n; ++i)
       rows->contact_normal[i] =
           Eigen::Quaterniond(pose[i][3], pose[i][4], pose[i][5], pose[i][6]).toRotationMatrix() *
           rows->contact_normal[i];
   }
-  points("/surface/normal", rows->surface_normal);
-  numbers("/surface/distance", rows->surface_distance);
-  numbers("/push", rows->push);
-  integers("/mode", rows->mode);
-  integers("/stroke", rows->stroke);
-  numbers("/controller/step_time", rows->step_time);
+  block.read("/surface/normal", &rows->surface_normal);
+  block.read("/surface/distance", &rows->surface_distance);
+  block.read("/push", &rows->push);
+  block.read("/mode", &rows->mode);
+  block.read("/stroke", &rows->stroke);
+  block.read("/controller/step_time", &rows->step_time);
   if (log.has("/time_scale")) {
-    numbers("/time_scale", rows->time_scale);
+    block.read("/time_scale", &rows->time_scale);
   } else {
     rows->time_scale.assign(n, 1.0);
   }
-  points("/tip/position", rows->tip_position);
-  points("/desired/position", rows->desired_position);
+  block.read("/tip/position", &rows->tip_position);
+  block.read("/desired/position", &rows->desired_position);
   if (log.has("/stroke_along")) {
-    numbers("/stroke_along", rows->stroke_along);
+    block.read("/stroke_along", &rows->stroke_along);
   } else {
     rows->stroke_along.assign(n, LogRow::kNone);
   }
-  if (columns == Columns::of_results) return whole;
+  if (columns == Columns::of_results) return block.whole();
 
-  points("/disturbance/force", rows->disturbance_force);
-  return whole;
+  block.read("/disturbance/force", &rows->disturbance_force);
+  return block.whole();
 }
 
 RunRows read_rows(const std::filesystem::path& path) {

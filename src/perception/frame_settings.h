@@ -33,27 +33,11 @@ struct FrameSettings {
   // A simulator casts only rays that may meet the canvas; off: every pixel. Changes no image.
   bool region_of_interest = true;
   int width = 320, height = 240;  // of a frame; the snapshot has the camera's own size
-
-  struct Limits {
-    static constexpr Limit rate = {"rate", "Hz", {1.0, 200.0}};
-    static constexpr Limit latency = {"latency", "s", {0.0, 0.5}};
-    static constexpr Limit latency_jitter = {"latency_jitter", "s", {0.0, 0.1}};
-    static constexpr Limit drop = {"drop", "", Range::to_below(0.0, 1.0)};
-    static constexpr Limit stamp_error = {"stamp_error", "s", {-0.2, 0.2}};
-    static constexpr Limit skew = {"skew", "s", {0.0, 0.1}};
-    static constexpr Limit depth_every = {"depth_every", "", {1, 1000}};
-    static constexpr Limit width = {"width", "px", {16, 4096}};
-    static constexpr Limit height = {"height", "px", {16, 4096}};
-  };
 };
 
 // A mark on the canvas's frame, at p_K in frame K of the canvas; K is W while nothing has moved.
 struct Fiducial {
   Eigen::Vector3d p_K = Eigen::Vector3d::Zero();  // [m]
-
-  struct Limits {
-    static constexpr Limit position = {"position", "m", {-10.0, 10.0}};
-  };
 };
 
 // Each camera finds each of them in each frame, unless the arm hides it.

@@ -9,23 +9,19 @@
 
 namespace impedraw {
 
-Vector6 tool_wrench(const Tool& tool, const ToolMotion& motion, const Eigen::Vector3d& gravity_W,
-                    const ToolRemoval& removal) noexcept {
+Vector6 tool_wrench(const Tool& tool, const ToolMotion& motion,
+                    const Eigen::Vector3d& gravity_W) noexcept {
   const Eigen::Matrix3d R_SW = motion.X_WS.R.transpose();
   const Eigen::Vector3d w = R_SW * motion.V_WS.tail<3>(), a = R_SW * motion.A_WS.head<3>(),
                         alpha = R_SW * motion.A_WS.tail<3>();
   const Eigen::Vector3d& c = tool.p_SC;
 
   Eigen::Vector3d at_centre = Eigen::Vector3d::Zero(), couple = Eigen::Vector3d::Zero();
-  if (removal.weight) at_centre += tool.mass * (R_SW * gravity_W);
-  if (removal.inertia) {
-    at_centre -= tool.mass * (a + alpha.cross(c));
-    couple -= tool.I_SC * alpha;
-  }
-  if (removal.coriolis) {
-    at_centre -= tool.mass * w.cross(w.cross(c));
-    couple -= w.cross(tool.I_SC * w);
-  }
+  at_centre += tool.mass * (R_SW * gravity_W);
+  at_centre -= tool.mass * (a + alpha.cross(c));
+  couple -= tool.I_SC * alpha;
+  at_centre -= tool.mass * w.cross(w.cross(c));  // centrifugal and gyroscopic
+  couple -= w.cross(tool.I_SC * w);
   Vector6 wrench;
   wrench << at_centre, c.cross(at_centre) + couple;
   return wrench;

@@ -36,16 +36,9 @@ struct ToolMotion {
   Vector6 A_WS = Vector6::Zero();
 };
 
-// Terms included in tool_wrench().
-struct ToolRemoval {
-  bool weight = true;
-  bool inertia = true;
-  bool coriolis = true;
-};
-
 // [f; τ] of the law, in S [N, Nm].
-Vector6 tool_wrench(const Tool& tool, const ToolMotion& motion, const Eigen::Vector3d& gravity_W,
-                    const ToolRemoval& removal = {}) noexcept;
+Vector6 tool_wrench(const Tool& tool, const ToolMotion& motion,
+                    const Eigen::Vector3d& gravity_W) noexcept;
 
 // Checks at set-up that mass, centre and inertia are finite and physically possible; point masses
 // are allowed. Throws InputError naming the fault, its value and what is valid.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "impedraw/common/pose.h"
-#include "impedraw/common/range.h"
 
 namespace impedraw {
 
@@ -17,19 +16,6 @@ struct TouchSettings {
   double turn_rate = 0.7;          // greatest of the reported normal [rad/s]
   double search = 5e-3;            // beneath a surface that has been touched [m]
   double settle_time = 0.1;        // from a touch to the use of the standing force [s]
-
-  struct Limits {
-    static constexpr Limit slope = {"slope", "", {0.01, 10.0}};
-    static constexpr Limit curvature = {"curvature", "1/m", {0.0, 1000.0}};
-    static constexpr Limit curvature_length = {"curvature_length", "m", {1e-3, 10.0}};
-    static constexpr Limit position_noise = {"position_noise", "m", {1e-7, 1e-2}};
-    static constexpr Limit force_noise = {"force_noise", "", {1e-4, 10.0}};
-    static constexpr Limit spacing = {"spacing", "m", {1e-6, 1e-2}};
-    static constexpr Limit slip_speed = {"slip_speed", "m/s", {1e-4, 1.0}};
-    static constexpr Limit turn_rate = {"turn_rate", "rad/s", {0.01, 100.0}};
-    static constexpr Limit search = {"search", "m", {1e-4, 0.1}};
-    static constexpr Limit settle_time = {"settle_time", "s", {0.0, 10.0}};
-  };
 };
 
 // What the controller believes of pen and step.

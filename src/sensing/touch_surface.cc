@@ -7,6 +7,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/sensing/describe_touch.h"
 
 namespace impedraw {
 namespace {
@@ -16,20 +17,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 void check(const TouchSettings& s, const TouchModel& m) {
-  using Limits = TouchSettings::Limits;
-  const auto in_range = [](const Limit& limit, double value) {
-    require_in_range("blind.touch", limit, value);
-  };
-  in_range(Limits::slope, s.slope);
-  in_range(Limits::curvature, s.curvature);
-  in_range(Limits::curvature_length, s.curvature_length);
-  in_range(Limits::position_noise, s.position_noise);
-  in_range(Limits::force_noise, s.force_noise);
-  in_range(Limits::spacing, s.spacing);
-  in_range(Limits::slip_speed, s.slip_speed);
-  in_range(Limits::turn_rate, s.turn_rate);
-  in_range(Limits::search, s.search);
-  in_range(Limits::settle_time, s.settle_time);
+  require_ranges("blind.touch", s);
   if (!(m.dt > 0.0) || !(std::abs(m.drawing_axis_W.norm() - 1.0) < 1e-6) ||
       !(m.tip_radius >= 0.0) || !(m.tip_stiffness >= 0.0) || !(m.friction >= 0.0) ||
       !(m.touch_force >= 0.0))
@@ -191,12 +179,6 @@ Eigen::Matrix2d TouchSurface::curvature() const {
   Eigen::Matrix2d H;
   H << x_[3], x_[4], x_[4], x_[5];
   return H;
-}
-
-double TouchSurface::uncertainty() const noexcept {
-  const double a = P_(1, 1), b = P_(1, 2), c = P_(2, 2);
-  const double most = 0.5 * (a + c) + std::sqrt(0.25 * (a - c) * (a - c) + b * b);
-  return std::atan(std::sqrt(std::max(0.0, most)));
 }
 
 }  // namespace impedraw

@@ -52,8 +52,6 @@ class TouchSurface {
   // Slope and curvature of the height field, in the drawing plane's axes that axes() gives.
   Eigen::Vector2d slope() const { return x_.segment<2>(1); }
   Eigen::Matrix2d curvature() const;
-  // Standard deviation of the normal, in its worst direction [rad].
-  double uncertainty() const noexcept;
   // Columns: x and y of the drawing plane, and z.
   const Eigen::Matrix3d& axes() const { return R_; }
 

@@ -67,8 +67,7 @@ const Vector6& WrenchEstimator::update(const Vector6& reading_S, const Pose& X_W
   if (fault_ || !motion_known) return F_ext_;
 
   const ToolMotion motion = motion_of_reading();
-  const Vector6 residue_S =
-      reading_S - tool_wrench(settings_.tool, motion, settings_.gravity_W, settings_.removal);
+  const Vector6 residue_S = reading_S - tool_wrench(settings_.tool, motion, settings_.gravity_W);
   if (taring_) tare(residue_S, motion);
   if (!tared_) return F_ext_;
 

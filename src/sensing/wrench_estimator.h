@@ -15,8 +15,7 @@
 //           reduced to √(ωΔt/4) of its standard deviation (ωΔt ≪ 1).
 // Tare      bias_S = mean(reading_S − tool_wrench_S) over `tare_time` of uninterrupted rest: of a
 //           velocity whose mean, by a low-pass of tare_time/2, is small. Its noise is no motion.
-//           Nothing may touch the tool meanwhile; the estimator cannot detect this. The bias
-//           includes the value at rest of any term that `removal` omits.
+//           Nothing may touch the tool meanwhile; the estimator cannot detect this.
 // Requires  one update() per step, from the first step on; R_WE a rotation; readings that are
 //           `sensor_delay` old.
 #pragma once
@@ -31,7 +30,6 @@ namespace impedraw {
 struct WrenchEstimatorSettings {
   double dt = 1e-3;  // step [s]
   Tool tool;
-  ToolRemoval removal;                         // tool terms subtracted from the reading
   Pose X_ES;                                   // sensor frame in the tip's frame
   Eigen::Vector3d gravity_W{0.0, 0.0, -9.81};  // [m/s²]
   double sensor_delay = 0.0;      // age of a reading when passed in, rounded to whole steps [s]

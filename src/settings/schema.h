@@ -43,7 +43,7 @@
 // What a user of the program sets, rather than an expert on the arm: f.field(...).for_users();
 // A former setting that is a constant keeps its name, so that files with that value load and others
 // are refused by name:
-//   f.constant(PreflightSettings::Limits::fold_height, s.fold_height);
+//   f.constant("fold_height", s.fold_height, {1e-6, 0.1}, "m");
 // A list that may be given as one value: f.field("speeds", s.speeds, ...).or_one();
 // A path in a file is relative to the file's folder; in --set, to the working directory. An empty
 // path stays empty.
@@ -228,8 +228,14 @@ class Fields {
     settings_.back().for_users = true;
     return *this;
   }
-  void constant(const Limit& limit, double value) {
-    constants_.push_back({std::string(limit.name), number_text(value), std::string(limit.unit)});
+  template <class T>
+  void constant(std::string name, T value, const Range& = Range::any(), std::string unit = "") {
+    std::string text;
+    if constexpr (std::is_same_v<T, bool>)
+      text = value ? "true" : "false";
+    else
+      text = number_text(value);
+    constants_.push_back({std::move(name), std::move(text), std::move(unit)});
   }
 
   // The last setting is a list, and may be given as one value: 0.1 for [0.1].

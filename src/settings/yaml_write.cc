@@ -59,6 +59,7 @@ void put_list(std::string& yaml, const std::string& head, std::size_t indent, co
 void put(std::string& yaml, const std::string& head, std::size_t indent, const Setting& setting,
          const Setting& described_by) {
   if (const auto* group = std::get_if<Group>(&setting.value)) {
+    if (group->fields.empty()) return;  // constants alone
     put_line(yaml, head, described_by);
     put_group(yaml, std::string(indent + 2, ' '), indent + 2, *group);
   } else if (const auto* list = std::get_if<List>(&setting.value)) {

@@ -11,6 +11,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/simulation/describe_world.h"
 
 namespace impedraw {
 
@@ -43,19 +44,8 @@ Vector3d direction(const Vector3d& axis, const char* name) {
 
 CanvasMotion::CanvasMotion(const CanvasMotionSettings& settings) : settings_(settings) {
   CanvasMotionSettings& s = settings_;
-  using Limits = CanvasMotionSettings::Limits;
-  const char* const of = "canvas.motion";
-  require_in_range(of, Limits::ramp, s.ramp);
-  require_in_range(of, Limits::speed, s.velocity);
-  require_in_range(of, Limits::turn_speed, s.turn_speed);
-  require_in_range(of, Limits::sway, s.sway);
-  require_in_range(of, Limits::sway_frequency, s.sway_frequency);
-  require_in_range(of, Limits::roll, s.roll);
-  require_in_range(of, Limits::roll_frequency, s.roll_frequency);
-  require_in_range(of, Limits::jolts, s.jolts);
-  require_in_range(of, Limits::jolt_bandwidth, s.jolt_bandwidth);
-  if (!s.centre.allFinite()) throw InputError("canvas.motion: centre is not finite");
-  if (!std::isfinite(s.start) || (s.stop && !(*s.stop >= s.start + s.ramp)))
+  require_ranges("canvas.motion", s);
+  if (s.stop && !(*s.stop >= s.start + s.ramp))
     throw InputError("canvas.motion.stop must be at least ramp after start");
   s.turn_axis = direction(s.turn_axis, "turn_axis");
   s.roll_axis = direction(s.roll_axis, "roll_axis");

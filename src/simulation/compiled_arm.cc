@@ -10,23 +10,11 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/per_joint.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/simulation/describe_world.h"
 
 namespace impedraw {
 
 namespace {
-
-void check(const ModelErrors& e) {
-  using Limits = ModelErrors::Limits;
-  require_in_range("world.errors", Limits::mass_scale, e.mass_scale);
-  require_in_range("world.errors", Limits::centre_shift, e.centre_shift);
-  require_in_range("world.errors", Limits::viscous_friction, e.viscous_friction);
-  require_in_range("world.errors", Limits::rotor_inertia, e.rotor_inertia);
-  require_in_range("world.errors", Limits::stiction, e.stiction);
-  require_in_range("world.errors", Limits::stribeck_speed, e.stribeck_speed);
-  require_in_range("world.errors", Limits::load_friction, e.load_friction);
-  require_in_range("world.errors", Limits::friction_ripple, e.friction_ripple);
-  require_in_range("world.errors", Limits::pen_longer, e.pen_longer);
-}
 
 void apply(const ModelErrors& e, mjSpec* spec) {
   for (mjsElement* element = mjs_firstElement(spec, mjOBJ_BODY); element;
@@ -51,7 +39,7 @@ void apply(const ModelErrors& e, mjSpec* spec) {
 
 CompiledArm compile_arm(const std::filesystem::path& urdf, double dt, double gravity,
                         const ModelErrors& errors) {
-  check(errors);
+  require_ranges("world.errors", errors);
   const std::string text = plain_urdf(urdf).text;
   char error[512] = "";
   mjSpec* spec = mj_parseXMLString(text.c_str(), nullptr, error, sizeof error);

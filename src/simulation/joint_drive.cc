@@ -9,15 +9,13 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/simulation/describe_world.h"
 
 namespace impedraw {
 
 JointDrive::JointDrive(const ModelErrors& errors, double dt)
     : errors_(errors), ripple_phase_(kMaxJoints) {
-  using Limits = ModelErrors::Limits;
-  require_in_range("world.errors", Limits::torque_quantum, errors.torque_quantum);
-  require_in_range("world.errors", Limits::torque_ripple, errors.torque_ripple);
-  require_in_range("world.errors", Limits::loop_delay, errors.loop_delay);
+  require_ranges("world.errors", errors);
   const double steps = std::round(errors.loop_delay / dt);
   if (steps > ModelErrors::kMostDelaySteps)
     throw InputError(

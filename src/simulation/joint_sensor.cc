@@ -5,26 +5,13 @@
 #include <utility>
 
 #include "impedraw/common/range_check.h"
+#include "impedraw/simulation/describe_world.h"
 
 namespace impedraw {
 
-namespace {
-
-void check(const JointSensorSettings& s) {
-  using Limits = JointSensorSettings::Limits;
-  const char* group = "world.joint_sensor";
-  require_in_range(group, Limits::quantum, s.quantum);
-  require_in_range(group, Limits::position_noise, s.position_noise);
-  require_in_range(group, Limits::velocity_noise, s.velocity_noise);
-  require_in_range(group, Limits::delay, s.delay);
-  require_in_range(group, Limits::velocity_bandwidth, s.velocity_bandwidth);
-}
-
-}  // namespace
-
 JointSensor::JointSensor(const JointSensorSettings& settings, int joints, double dt,
                          std::uint64_t seed)
-    : settings_((check(settings), settings)),
+    : settings_((require_ranges("world.joint_sensor", settings), settings)),
       dt_(dt),
       smoothing_(settings.velocity_bandwidth > 0.0
                      ? 1.0 - std::exp(-settings.velocity_bandwidth * dt)

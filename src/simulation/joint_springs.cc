@@ -8,6 +8,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/per_joint.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/simulation/describe_world.h"
 
 namespace impedraw {
 
@@ -73,14 +74,8 @@ Eigen::VectorXd JointSpringValues::loop_lag() const {
 }
 
 JointSpringValues joint_spring_values(const JointSpringSettings& s, int joints) {
-  using Limits = JointSpringSettings::Limits;
   const std::string group = "world.joint_spring";
-  require_in_range(group, Limits::stiffness, s.stiffness);
-  require_in_range(group, Limits::damping, s.damping);
-  require_in_range(group, Limits::rotor_inertia, s.rotor_inertia);
-  require_in_range(group, Limits::sensor_ripple, s.sensor_ripple);
-  require_in_range(group, Limits::sensor_offset, s.sensor_offset);
-  if (s.loop_bandwidth) require_in_range(group, Limits::loop_bandwidth, *s.loop_bandwidth);
+  require_ranges(group, s);
   const Published of = published(s.arm, joints);
   const auto values = [&](const char* name, const std::vector<double>& given,
                           const std::vector<double>& known) {

@@ -12,6 +12,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
 #include "impedraw/simulation/compiled_arm.h"
+#include "impedraw/simulation/describe_world.h"
 #include "impedraw/simulation/flange_balance.h"
 #include "impedraw/simulation/link_contact.h"
 
@@ -89,18 +90,7 @@ struct World::Mujoco {
 namespace {
 
 const WorldSettings& checked(const WorldSettings& s) {
-  using Limits = WorldSettings::Limits;
-  using Tip = TipMaterial::Limits;
-  require_in_range("world", Limits::joint_friction, s.joint_friction);
-  require_in_range("world", Limits::gravity, s.gravity);
-  require_in_range("world", Limits::substeps, s.substeps);
-  require_in_range("world.tip", Tip::radius, s.tip.radius);
-  require_in_range("world.tip", Tip::stiffness, s.tip.stiffness);
-  require_in_range("world.tip", Tip::damping, s.tip.damping);
-  require_in_range("world.tip", Tip::friction, s.tip.friction);
-  require_in_range("world.tip", Tip::friction_change, s.tip.friction_change);
-  require_in_range("world.tip", Tip::friction_length, s.tip.friction_length);
-  require_in_range("world.tip", Tip::wear, s.tip.wear);
+  require_ranges("world", s);
   if (s.pad) {
     using Pad = PadSettings::Limits;
     require_in_range("tool", Pad::radius, s.pad->radius);

@@ -7,6 +7,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/simulation/describe_world.h"
 
 namespace impedraw {
 
@@ -34,20 +35,7 @@ WrenchSensorSettings WrenchSensorSettings::realistic() {
 }
 
 void require_valid(const WrenchSensorSettings& s, double dt) {
-  using Limits = WrenchSensorSettings::Limits;
-  require_in_range("wrench_sensor", Limits::noise_force, s.noise_force);
-  require_in_range("wrench_sensor", Limits::noise_torque, s.noise_torque);
-  require_in_range("wrench_sensor", Limits::bias_force, s.bias_force);
-  require_in_range("wrench_sensor", Limits::bias_torque, s.bias_torque);
-  require_in_range("wrench_sensor", Limits::drift_force, s.drift_force);
-  require_in_range("wrench_sensor", Limits::drift_torque, s.drift_torque);
-  require_in_range("wrench_sensor", Limits::quantum_force, s.quantum_force);
-  require_in_range("wrench_sensor", Limits::quantum_torque, s.quantum_torque);
-  require_in_range("wrench_sensor", Limits::range_force, s.range_force);
-  require_in_range("wrench_sensor", Limits::range_torque, s.range_torque);
-  require_in_range("wrench_sensor", Limits::gain_error, s.gain_error);
-  require_in_range("wrench_sensor", Limits::cross_talk, s.cross_talk);
-  require_in_range("wrench_sensor", Limits::delay, s.delay);
+  require_ranges("wrench_sensor", s);
   if (!(dt >= 1e-6 && std::isfinite(dt)))
     throw InputError(fmt::format("wrench sensor: dt is {} s, allowed is 1e-6 s or more", dt));
 }

@@ -25,16 +25,6 @@ struct TipMaterial {
   double friction_change = 0.0;   // a, a share of μ
   double friction_length = 0.02;  // L [m]
   double wear = 0.0;              // k, length per work of a tangential force f_n [m/(N m)]
-
-  struct Limits {
-    static constexpr Limit radius = {"radius", "m", {1e-5, 0.05}};
-    static constexpr Limit stiffness = {"stiffness", "N/m", {10.0, 1e7}};
-    static constexpr Limit damping = {"damping", "N s/m", {0.0, 1e5}};
-    static constexpr Limit friction = {"friction", "", {0.0, 3.0}};
-    static constexpr Limit friction_change = {"friction_change", "", {0.0, 1.0}};
-    static constexpr Limit friction_length = {"friction_length", "m", {1e-3, 10.0}};
-    static constexpr Limit wear = {"wear", "m/(N m)", {0.0, 0.01}};
-  };
 };
 
 struct PadSettings {
@@ -69,14 +59,6 @@ struct JointSensorSettings {
   VelocityReading velocity = VelocityReading::exact;
   double velocity_bandwidth = 250.0;  // of the difference's low-pass; 0: no filter [rad/s]
 
-  struct Limits {
-    static constexpr Limit quantum = {"quantum", "rad", {0.0, 0.1}};
-    static constexpr Limit position_noise = {"position_noise", "rad", {0.0, 0.1}};
-    static constexpr Limit velocity_noise = {"velocity_noise", "rad/s", {0.0, 10.0}};
-    static constexpr Limit delay = {"delay", "s", {0.0, 0.03}};
-    static constexpr Limit velocity_bandwidth = {"velocity_bandwidth", "rad/s", {0.0, 1e4}};
-  };
-
   bool exact() const {  // reads the state itself
     return quantum == 0.0 && position_noise == 0.0 && velocity_noise == 0.0 && delay == 0.0 &&
            velocity == VelocityReading::exact;
@@ -96,22 +78,6 @@ struct WrenchSensorSettings {
   double cross_talk = 0.0;                           // of the other axes in each
   // rounded to samples; the first sample is read without delay [s]
   double delay = 0.0;
-
-  struct Limits {
-    static constexpr Limit noise_force = {"noise_force", "N", {0.0, 100.0}};
-    static constexpr Limit noise_torque = {"noise_torque", "Nm", {0.0, 10.0}};
-    static constexpr Limit bias_force = {"bias_force", "N", {0.0, 1000.0}};
-    static constexpr Limit bias_torque = {"bias_torque", "Nm", {0.0, 100.0}};
-    static constexpr Limit drift_force = {"drift_force", "N/min", {0.0, 100.0}};
-    static constexpr Limit drift_torque = {"drift_torque", "Nm/min", {0.0, 10.0}};
-    static constexpr Limit quantum_force = {"quantum_force", "N", {0.0, 10.0}};
-    static constexpr Limit quantum_torque = {"quantum_torque", "Nm", {0.0, 1.0}};
-    static constexpr Limit range_force = {"range_force", "N", {0.0, 1e5}};
-    static constexpr Limit range_torque = {"range_torque", "Nm", {0.0, 1e4}};
-    static constexpr Limit gain_error = {"gain_error", "", {0.0, 0.5}};
-    static constexpr Limit cross_talk = {"cross_talk", "", {0.0, 0.5}};
-    static constexpr Limit delay = {"delay", "s", {0.0, 0.03}};
-  };
 
   static WrenchSensorSettings realistic();
 };
@@ -145,23 +111,6 @@ struct CanvasMotionSettings {
 
   // A recorded motion (recorded_motion.h), in place of all of these. Empty: none.
   std::filesystem::path file;
-
-  struct Limits {
-    static constexpr Limit centre = {"centre", "m", {-10.0, 10.0}};
-    static constexpr Limit start = {"start", "s", {-1e4, 1e4}};
-    static constexpr Limit stop = {"stop", "s", {-1e4, 1e6}};
-    static constexpr Limit turn_axis = {"turn_axis", "", {-1.0, 1.0}};
-    static constexpr Limit roll_axis = {"roll_axis", "", {-1.0, 1.0}};
-    static constexpr Limit ramp = {"ramp", "s", {0.01, 60.0}};
-    static constexpr Limit speed = {"velocity", "m/s", {-2.0, 2.0}};
-    static constexpr Limit turn_speed = {"turn_speed", "rad/s", {-10.0, 10.0}};
-    static constexpr Limit sway = {"sway", "m", {-1.0, 1.0}};
-    static constexpr Limit sway_frequency = {"sway_frequency", "Hz", {0.0, 20.0}};
-    static constexpr Limit roll = {"roll", "rad", {-1.0, 1.0}};
-    static constexpr Limit roll_frequency = {"roll_frequency", "Hz", {0.0, 20.0}};
-    static constexpr Limit jolts = {"jolts", "m", {0.0, 0.1}};
-    static constexpr Limit jolt_bandwidth = {"jolt_bandwidth", "Hz", {0.01, 20.0}};
-  };
 };
 
 // Differences between the simulated arm and the URDF that the controller uses. All are off by
@@ -197,22 +146,6 @@ struct ModelErrors {
   double pen_longer = 0.0;
   // The same of each of `pens`, in order, beyond what they say; beyond its end pen_longer [m]
   std::vector<double> pens_longer;
-
-  struct Limits {
-    static constexpr Limit mass_scale = {"mass_scale", "", {0.1, 10.0}};
-    static constexpr Limit centre_shift = {"centre_shift", "m", {-0.2, 0.2}};
-    static constexpr Limit viscous_friction = {"viscous_friction", "Nm s/rad", {0.0, 100.0}};
-    static constexpr Limit rotor_inertia = {"rotor_inertia", "kg m²", {0.0, 10.0}};
-    static constexpr Limit stiction = {"stiction", "", {1.0, 10.0}};
-    static constexpr Limit stribeck_speed = {"stribeck_speed", "rad/s", {1e-4, 10.0}};
-    static constexpr Limit load_friction = {"load_friction", "", {0.0, 1.0}};
-    static constexpr Limit friction_ripple = {"friction_ripple", "", {0.0, 1.0}};
-    static constexpr Limit torque_ripple = {"torque_ripple", "Nm", {0.0, 20.0}};
-    static constexpr Limit torque_quantum = {"torque_quantum", "Nm", {0.0, 10.0}};
-    static constexpr Limit loop_delay = {"loop_delay", "s", {0.0, 0.015}};
-    static constexpr Limit pen_longer = {"pen_longer", "m", {-0.02, 0.02}};
-    static constexpr Limit pens_longer = {"pens_longer", "m", {-0.02, 0.02}};
-  };
 };
 
 // Whose values stand where none are given: joint_springs.cc has them with their sources.
@@ -232,15 +165,6 @@ struct JointSpringSettings {
   double sensor_offset = 0.0;            // of s, up and down in turn along the arm [Nm]
   SpringSide reading = SpringSide::as_published;
 
-  struct Limits {
-    static constexpr Limit stiffness = {"stiffness", "Nm/rad", {100.0, 1e6}};
-    static constexpr Limit damping = {"damping", "Nm s/rad", {0.0, 1000.0}};
-    static constexpr Limit rotor_inertia = {"rotor_inertia", "kg m²", {1e-4, 10.0}};
-    static constexpr Limit loop_bandwidth = {"loop_bandwidth", "rad/s", {0.0, 1e4}};
-    static constexpr Limit sensor_ripple = {"sensor_ripple", "Nm", {0.0, 20.0}};
-    static constexpr Limit sensor_offset = {"sensor_offset", "Nm", {0.0, 20.0}};
-  };
-
   bool on() const { return arm != SpringsOf::none || !stiffness.empty(); }
 };
 
@@ -256,12 +180,6 @@ struct WorldSettings {
   JointSpringSettings joint_spring;      // replace errors.rotor_inertia
   JointSensorSettings joint_sensor;      // read by the simulated arm
   bool flange_sensor = false;            // enables flange_wrench()
-
-  struct Limits {
-    static constexpr Limit joint_friction = {"joint_friction", "Nm", {0.0, 50.0}};
-    static constexpr Limit gravity = {"gravity", "m/s²", {0.0, 100.0}};
-    static constexpr Limit substeps = {"substeps", "", {1, 100}};
-  };
 };
 
 // Numbers of steps since the simulation began.

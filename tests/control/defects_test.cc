@@ -13,6 +13,7 @@
 #include "dense_algebra.h"
 #include "free_arm.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/control/describe_control.h"
 #include "seeds.h"
 
 namespace impedraw {
@@ -321,58 +322,57 @@ TEST(Defects,
   }
 }
 
+struct Knob {
+  std::string name;
+  Range range;
+  std::function<void(double)> set;
+  double at(double share) const {
+    const double low = range.above ? 1e-6 : range.lowest,
+                 high = range.below ? range.highest - 1e-6 : range.highest;
+    return low + share * (high - low);
+  }
+};
+
+// The numbers of settings, from their description.
+struct Knobs {
+  std::vector<Knob> all;
+
+  Knobs& field(std::string_view name, double& value, const Range& range, std::string_view,
+               std::string_view = {}) {
+    all.push_back({std::string(name), range, [&value](double x) { value = x; }});
+    return *this;
+  }
+  Knobs& constant(std::string_view name, double& value, const Range& range, std::string_view) {
+    return field(name, value, range, "");
+  }
+  template <class T>
+  Knobs& field(std::string_view, T&, std::string_view) {
+    return *this;
+  }
+  template <class T>
+  Knobs& choice(std::string_view, T&, std::initializer_list<const char*>, std::string_view) {
+    return *this;
+  }
+  Knobs& for_users() { return *this; }
+  Knobs& formerly(std::string_view) { return *this; }
+};
+
+std::vector<Knob> knobs_of(ImpedanceSettings& s) {
+  Knobs knobs;
+  describe(knobs, s);
+  knobs.field("mass_normal", s.shaped_inertia.linear.normal, kMassRange, "")
+      .field("min_axis_cosine", s.surface.min_axis_cosine, Range::positive_to(1.0), "")
+      .field("normal_error", s.friction.normal_error_deg, kNormalErrorRange, "");
+  knobs.all.push_back({"null_stiffness", kNullStiffnessRange,
+                       [&s](double x) { s.null_space.stiffness = JointVector::Constant(7, x); }});
+  knobs.all.push_back({"torque_rate", kTorqueRateRange,
+                       [&s](double x) { s.limits.torque_rate = JointVector::Constant(7, x); }});
+  return knobs.all;
+}
+
 // Each setting's ends, and random pairs of all: refused by name, or a finite torque that follows
 // the law and is not the safe one. The pose is far off, so that the speed's limits act, too.
 TEST(Defects, AnAllowedSettingThatGivesNoNumber) {
-  using Set = std::function<void(ImpedanceSettings&, double)>;
-  using L = ImpedanceSettings::Limits;
-  struct Knob {
-    Limit limit;
-    Set set;
-  };
-  const std::vector<Knob> knobs = {
-      {L::switch_time, [](auto& s, double x) { s.switch_time = x; }},
-      {L::stiffness, [](auto& s, double x) { s.stiffness.linear.tangent = x; }},
-      {L::stiffness, [](auto& s, double x) { s.stiffness.linear.normal = x; }},
-      {L::rotational_stiffness, [](auto& s, double x) { s.stiffness.angular.tangent = x; }},
-      {L::rotational_stiffness, [](auto& s, double x) { s.stiffness.angular.normal = x; }},
-      {L::reference_stiffness, [](auto& s, double x) { s.reference_stiffness.linear.tangent = x; }},
-      {L::reference_stiffness, [](auto& s, double x) { s.reference_stiffness.linear.normal = x; }},
-      {L::reference_rotational_stiffness,
-       [](auto& s, double x) { s.reference_stiffness.angular.tangent = x; }},
-      {L::reference_rotational_stiffness,
-       [](auto& s, double x) { s.reference_stiffness.angular.normal = x; }},
-      {L::mass, [](auto& s, double x) { s.shaped_inertia.linear.tangent = x; }},
-      {L::mass, [](auto& s, double x) { s.shaped_inertia.linear.normal = x; }},
-      {L::rotational_inertia, [](auto& s, double x) { s.shaped_inertia.angular.normal = x; }},
-      {L::damping_ratio, [](auto& s, double x) { s.damping_ratio = x; }},
-      {L::inertia_scale, [](auto& s, double x) { s.inertia_scale = x; }},
-      {L::normal_force, [](auto& s, double x) { s.normal_force = x; }},
-      {L::normal_bandwidth, [](auto& s, double x) { s.surface.normal_bandwidth = x; }},
-      {L::min_axis_cosine, [](auto& s, double x) { s.surface.min_axis_cosine = x; }},
-      {L::approach_speed, [](auto& s, double x) { s.approach.speed = x; }},
-      {L::approach_overtravel, [](auto& s, double x) { s.approach.overtravel = x; }},
-      {L::approach_lag, [](auto& s, double x) { s.approach.lag = x; }},
-      {L::retreat_height, [](auto& s, double x) { s.approach.retreat_height = x; }},
-      {L::tip_radius, [](auto& s, double x) { s.tip.radius = x; }},
-      {L::tip_stiffness, [](auto& s, double x) { s.tip.stiffness = x; }},
-      {L::friction, [](auto& s, double x) { s.friction.coefficient = x; }},
-      {L::normal_error, [](auto& s, double x) { s.friction.normal_error_deg = x; }},
-      {L::friction_feedforward, [](auto& s, double x) { s.friction.feedforward = x; }},
-      {L::null_damping_ratio, [](auto& s, double x) { s.null_space.damping_ratio = x; }},
-      {L::null_stiffness,
-       [](auto& s, double x) { s.null_space.stiffness = JointVector::Constant(7, x); }},
-      {L::torque_rate,
-       [](auto& s, double x) { s.limits.torque_rate = JointVector::Constant(7, x); }},
-      {L::limit_margin, [](auto& s, double x) { s.joint_range.margin = x; }},
-      {L::limit_torque, [](auto& s, double x) { s.joint_range.torque = x; }},
-      {L::tip_speed_limit, [](auto& s, double x) { s.limits.tip_speed = x; }},
-      {L::turn_speed_limit, [](auto& s, double x) { s.limits.turn_speed = x; }}};
-  const auto value = [](const Limit& limit, double share) {
-    const Range& r = limit.range;
-    const double low = r.above ? 1e-6 : r.lowest, high = r.below ? r.highest - 1e-6 : r.highest;
-    return low + share * (high - low);
-  };
   ArmModel arm(kArm);
   const auto require_finite = [&](const ImpedanceSettings& s, const std::string& what) {
     SCOPED_TRACE(what);
@@ -403,12 +403,16 @@ TEST(Defects, AnAllowedSettingThatGivesNoNumber) {
     s.limits.joint_speed = arm.limits().speed;
     return s;
   };
+  ImpedanceSettings any;
+  const std::size_t count = knobs_of(any).size();
+  ASSERT_GT(count, 30u);
   for (int kind = 0; kind < 3; ++kind)
-    for (const Knob& knob : knobs)
+    for (std::size_t at = 0; at < count; ++at)
       for (const double end : {0.0, 1.0}) {
         ImpedanceSettings s = settings_of(kind);
-        knob.set(s, value(knob.limit, end));
-        require_finite(s, fmt::format("{} {} {}", kind, knob.limit.name, end));
+        const Knob knob = knobs_of(s)[at];
+        knob.set(knob.at(end));
+        require_finite(s, fmt::format("{} {} {}", kind, knob.name, end));
       }
   std::mt19937 rng(43);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -416,10 +420,10 @@ TEST(Defects, AnAllowedSettingThatGivesNoNumber) {
     ImpedanceSettings s = settings_of(static_cast<int>(i % 3));
     std::string what = std::to_string(i % 3);
     for (int k = 0; k < 2; ++k) {
-      const Knob& knob = knobs[rng() % knobs.size()];
+      const Knob knob = knobs_of(s)[rng() % count];
       const double x = unit(rng), share = x < 0.3 ? 0.0 : x > 0.7 ? 1.0 : unit(rng);
-      knob.set(s, value(knob.limit, share));
-      what += fmt::format(" {} {}", knob.limit.name, value(knob.limit, share));
+      knob.set(knob.at(share));
+      what += fmt::format(" {} {}", knob.name, knob.at(share));
     }
     require_finite(s, what);
   }

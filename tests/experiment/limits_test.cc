@@ -87,12 +87,8 @@ const std::map<std::string, Words> kCompanions = {
     {"faults", {"faults=[{}]"}},
     {"perception.fiducials", {"perception.fiducials.points=[{}]"}},
     {"drawing.placement.margin", {"drawing.placement.fit_width=2"}},
-    {"drawing.wrap.spacing", {"drawing.wrap.margin=0.04"}},
-    {"drawing.wrap.margin", {"drawing.wrap.spacing=0.0005"}},
     {"perception.region_lower", {"perception.region_upper=[10, 10, 10]"}},
     {"perception.region_upper", {"perception.region_lower=[-10, -10, -10]"}},
-    {"control.contact.enter_distance", {"control.contact.leave_distance=0.1"}},
-    {"control.contact.leave_distance", {"control.contact.enter_distance=0"}},
     {"canvas.cap", {"canvas.cap.edge=0.005"}},
     {"canvas.cap.radius lowest", {"canvas.cap.opening_radius=0.005", "canvas.cap.edge=0.001"}},
     {"canvas.cap.opening_radius lowest", {"canvas.cap.edge=0.001"}},
@@ -180,7 +176,6 @@ void check_drawing(const DrawingSettings& s) {
   make_text(text);
   hatch_lines(artwork.areas[0], s.hatch, 1.0);
   simplified(artwork.strokes[0], s.simplify_mm);
-  joined(artwork.strokes, s.join_gap_mm);
   validate(s.wrap);
 }
 
@@ -326,11 +321,7 @@ TEST(Limits, LibraryRefusesWhatTheSchemaRefuses) {
         std::tuple{"preflight.max_slope", preflight([](auto& s) { s.max_slope_deg = 0.5; }), "0.5"},
         std::tuple{"control.stiffness_normal",
                    control([](auto& s) { s.stiffness.linear.normal = -1; }), "-1"},
-        std::tuple{"control.rotational_inertia_tangent",
-                   control([](auto& s) { s.shaped_inertia.angular.tangent = 0; }), "0"},
         std::tuple{"control.approach_speed", control([](auto& s) { s.approach.speed = 0; }), "0"},
-        std::tuple{"control.contact.touch_gap", control([](auto& s) { s.contact.touch_gap = 0; }),
-                   "0"},
         std::tuple{"control.observer.bandwidth",
                    control([](auto& s) { s.observer.bandwidth = 1000; }), "1000"},
         std::tuple{"control.force_integral.rate",

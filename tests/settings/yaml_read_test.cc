@@ -1,10 +1,14 @@
 #include "impedraw/settings/yaml_read.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "example_settings.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/range_check.h"
+#include "impedraw/settings/yaml_write.h"
 #include "scratch_folder.h"
 
 namespace impedraw {
@@ -47,14 +51,61 @@ std::string set_error(const std::string& assignment) {
   return error_of([&] { with({assignment}); });
 }
 
+struct Sides {
+  bool both = true;
+  int count = 2;
+};
+
+template <class F>
+void describe(F& f, Sides& s) {
+  f.constant("both", s.both, Range::any(), "");
+  f.constant("count", s.count, {1, 4}, "");
+}
+
 struct Fold {
   double height = 0.002;
   double width = 1.0;
+  std::optional<double> depth;
+  std::vector<double> steps{0.1, 0.2};
+  Sides sides;
 };
 
-void describe(Fields& f, Fold& s) {
-  f.constant({"height", "m", {0.0, 1.0}}, s.height);
-  f.field("width", s.width, {0.0, 1.0}, "m", "width of the fold");
+template <class F>
+void describe(F& f, Fold& s) {
+  f.constant("height", s.height, {0.0, 1.0}, "m");
+  f.field("width", s.width, {0.0, 1.0}, "m", "width of the fold").for_users().formerly("size");
+  f.field("depth", s.depth, Range::positive_to(0.5), "m", "depth of the fold");
+  f.field("steps", s.steps, {0.0, 1.0}, "m", "its steps");
+  f.field("sides", s.sides, "its sides");
+}
+
+// The library's check of ranges reads the description that the scenario's reader reads.
+TEST(Description, GivesTheRangesOfTheLibrarysCheck) {
+  const auto refusal = [](auto change) {
+    Fold fold;
+    change(fold);
+    return error_of([&] { require_ranges("fold", fold); });
+  };
+  EXPECT_NO_THROW(require_ranges("fold", Fold()));
+  EXPECT_EQ(refusal([](Fold& f) { f.height = 2.0; }), "fold.height is 2 m, allowed is 0 to 1 m");
+  EXPECT_EQ(refusal([](Fold& f) { f.width = -1.0; }), "fold.width is -1 m, allowed is 0 to 1 m");
+  EXPECT_EQ(refusal([](Fold& f) { f.depth = 0.0; }),
+            "fold.depth is 0 m, allowed is more than 0 and at most 0.5 m");
+  EXPECT_EQ(refusal([](Fold& f) { f.steps[1] = std::nan(""); }),
+            "fold.steps is nan m, allowed is 0 to 1 m");
+  EXPECT_EQ(refusal([](Fold& f) { f.sides.count = 5; }),
+            "fold.sides.count is 5, allowed is 1 to 4");
+}
+
+// A group of constants alone is read and refused like others, and is not written.
+TEST(Description, AGroupOfConstantsIsReadAndNotWritten) {
+  Fold fold;
+  Places places;
+  EXPECT_NO_THROW(
+      read_yaml_text("sides: {both: true, count: 2}", "s.yaml", "", described(fold), places));
+  EXPECT_EQ(error_of([&] { read_settings(fold, "", {"sides.both=false"}); }),
+            "--set sides.both=false: sides.both is a constant: true");
+  EXPECT_EQ(settings_yaml(fold).find("sides"), std::string::npos);
 }
 
 // Files of earlier versions and recorded scenarios give the value that is a constant.

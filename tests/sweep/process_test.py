@@ -54,7 +54,7 @@ def test_figures_are_those_of_draw_and_of_a_serial_sweep(tmp_path):
     # Every setting, also those that the specification leaves alone.
     assert row["control.normal_force"] == 5 and row["seed"] == 2
     assert row["canvas.kind"] == "plane" and row["path.draw_acceleration"] == 2
-    assert row["drawing.wrap.tolerance"] == 1e-5  # written as 1e-05, no number in YAML 1.1
+    assert row["perception.fiducials.noise"] == 3e-4  # written as 3e-04, no number in YAML 1.1
     assert row["canvas.plane.normal"] == [0, 0, 1]
 
 

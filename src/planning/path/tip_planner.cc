@@ -12,6 +12,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/in_parallel.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/planning/describe_path.h"
 #include "impedraw/planning/path/stroke_fit.h"
 
 namespace impedraw {
@@ -253,36 +254,9 @@ class Planner {
 }  // namespace
 
 void validate(const PathSettings& s) {
-  using Limits = PathSettings::Limits;
-  require_in_range("path", Limits::start_hold, s.start_hold);
-  require_in_range("path", Limits::hover_height, s.hover_height);
-  require_in_range("path", Limits::approach_speed, s.approach_speed);
-  require_in_range("path", Limits::settle_time, s.settle_time);
-  require_in_range("path", Limits::draw_speed, s.draw_speed);
-  require_in_range("path", Limits::draw_acceleration, s.draw_acceleration);
-  require_in_range("path", Limits::end_hold, s.end_hold);
-  require_in_range("path", Limits::dot_time, s.dot_time);
-  require_in_range("path", Limits::travel_speed, s.travel_speed);
-  require_in_range("path", Limits::travel_acceleration, s.travel_acceleration);
-  require_in_range("path", Limits::turn_speed, s.turn_speed);
-  require_in_range("path", Limits::turn_acceleration, s.turn_acceleration);
-  require_in_range("path", Limits::safe_height, s.safe_height);
-  require_in_range("path", Limits::smoothing_time, s.smoothing_time);
-  require_in_range("path", Limits::corner_angle, s.corner_angle_deg);
-  require_in_range("path", Limits::tolerance, s.tolerance);
-  require_in_range("path", Limits::rounding, s.rounding);
-  require_in_range("path", Limits::knot_spacing, s.knot_spacing);
-  require_in_range("path", Limits::normal_smoothing, s.normal_smoothing);
-  require_in_range("path", Limits::joint_speed_share, s.joint_speed_share);
-  require_in_range("path", Limits::joint_acceleration, s.joint_acceleration);
-  require_in_range("path", Limits::joint_torque_share, s.joint_torque_share);
-  require_in_range("path", Limits::normal_acceleration, s.normal_acceleration);
-  require_in_range("path", Limits::normal_speed, s.normal_speed);
-  require_in_range("path", Limits::tilt_allowance, s.tilt_allowance_deg);
-  require_in_range("path", Limits::tilt_speed, s.tilt_speed);
-  require_in_range("path", Limits::tilt_acceleration, s.tilt_acceleration);
-  require_in_range("path", Limits::force_rate, s.force_rate);
-  require_in_range("path", Limits::sink, s.sink);
+  require_ranges("path", s);
+  require_in_range("path.knot_spacing", s.knot_spacing, Range::positive(), "m");
+  require_in_range("path.sink", s.sink, Range::at_least(0.0), "m");
   if (s.highest_z) require_in_range("path.highest_z", *s.highest_z, Range::any(), "m");
   for (const double x : s.start_p_WE) require_in_range("path.start_p_WE", x, Range::any(), "m");
   require_in_range("path.start_n_W length", s.start_n_W.norm(), {1 - 1e-6, 1 + 1e-6}, "");

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "impedraw/common/pose.h"
-#include "impedraw/common/range.h"
 #include "impedraw/drawing/placement.h"
 #include "impedraw/planning/path/tip_path.h"
 #include "impedraw/planning/surface_height.h"
@@ -68,39 +67,6 @@ struct PathSettings {
   bool vertical_pen = false;  // n = +z always (blind)
   // depth of the desired point below the surface while the pen is down (blind) [m]
   double sink = 0;
-
-  struct Limits {
-    // Includes a tare of up to 60 s.
-    static constexpr Limit start_hold = {"start_hold", "s", {0.0, 120.0}};
-    static constexpr Limit hover_height = {"hover_height", "m", Range::positive_to(0.1)};
-    static constexpr Limit approach_speed = {"approach_speed", "m/s", {1e-4, 0.2}};
-    static constexpr Limit settle_time = {"settle_time", "s", {0.0, 10.0}};
-    static constexpr Limit draw_speed = {"draw_speed", "m/s", {1e-4, 1.0}};
-    static constexpr Limit draw_acceleration = {"draw_acceleration", "m/s²", {0.01, 20.0}};
-    static constexpr Limit end_hold = {"end_hold", "s", {0.0, 10.0}};
-    static constexpr Limit dot_time = {"dot_time", "s", {0.0, 10.0}};
-    static constexpr Limit travel_speed = {"travel_speed", "m/s", {1e-3, 2.0}};
-    static constexpr Limit travel_acceleration = {"travel_acceleration", "m/s²", {0.01, 20.0}};
-    static constexpr Limit turn_speed = {"turn_speed", "rad/s", {0.01, 10.0}};
-    static constexpr Limit turn_acceleration = {"turn_acceleration", "rad/s²", {0.01, 100.0}};
-    static constexpr Limit safe_height = {"safe_height", "m", Range::positive_to(1.0)};
-    static constexpr Limit smoothing_time = {"smoothing_time", "s", {0.0, 1.0}};
-    static constexpr Limit corner_angle = {"corner_angle", "deg", Range::to_below(1.0, 90.0)};
-    static constexpr Limit tolerance = {"tolerance", "m", {1e-7, 1e-2}};
-    static constexpr Limit rounding = {"rounding", "m", {0.0, 1e-2}};
-    static constexpr Limit knot_spacing = {"knot_spacing", "m", Range::positive()};
-    static constexpr Limit normal_smoothing = {"normal_smoothing", "m", {0.0, 0.1}};
-    static constexpr Limit joint_speed_share = {"joint_speed_share", "", {0.01, 1.0}};
-    static constexpr Limit joint_acceleration = {"joint_acceleration", "rad/s²", {0.1, 1000.0}};
-    static constexpr Limit joint_torque_share = {"joint_torque_share", "", {0.01, 1.0}};
-    static constexpr Limit normal_acceleration = {"normal_acceleration", "m/s²", {0.01, 100.0}};
-    static constexpr Limit normal_speed = {"normal_speed", "m/s", {1e-4, 1.0}};
-    static constexpr Limit force_rate = {"force_rate", "N/s", {1.0, 1e4}};
-    static constexpr Limit tilt_allowance = {"tilt_allowance", "deg", {0.0, 45.0}};
-    static constexpr Limit tilt_speed = {"tilt_speed", "rad/s", {0.01, 20.0}};
-    static constexpr Limit tilt_acceleration = {"tilt_acceleration", "rad/s²", {0.1, 1000.0}};
-    static constexpr Limit sink = {"sink", "m", Range::at_least(0.0)};
-  };
 };
 
 // Throws InputError naming the setting, its value and the allowed range.

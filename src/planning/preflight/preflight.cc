@@ -9,6 +9,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/in_parallel.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/planning/preflight/describe_preflight.h"
 #include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/preflight/surface_walk.h"
 #include "impedraw/planning/stroke_ruler.h"
@@ -204,25 +205,12 @@ const char* name_of(Problem problem) noexcept {
 }
 
 void validate(const PreflightSettings& s) {
-  using Limits = PreflightSettings::Limits;
-  static_assert(Limits::clearance.range.highest <= kFarEnough / 2);
-  require_in_range("preflight", Limits::step, s.step);
-  require_in_range("preflight", Limits::surface_step, s.surface_step);
-  require_in_range("preflight", Limits::edge_tolerance, s.edge_tolerance);
-  require_in_range("preflight", Limits::edge_margin, s.edge_margin);
-  require_in_range("preflight", Limits::shortest, s.shortest);
-  require_in_range("preflight", Limits::least_speed, s.least_speed);
-  require_in_range("preflight", Limits::roughest, s.roughest);
-  require_in_range("preflight", Limits::max_slope, s.max_slope_deg);
-  require_in_range("preflight", Limits::fold_height, s.fold_height);
-  require_in_range("preflight", Limits::normal_smoothing, s.normal_smoothing);
-  require_in_range("preflight", Limits::joint_margin, s.joint_margin);
-  require_in_range("preflight", Limits::max_joint_step, s.max_joint_step);
-  require_in_range("preflight", Limits::torque_share, s.torque_share);
-  require_in_range("preflight", Limits::normal_force, s.normal_force);
-  require_in_range("preflight", Limits::friction, s.friction);
-  require_in_range("preflight", Limits::clearance, s.clearance);
-  if (s.table_z) require_in_range("preflight", Limits::table_z, *s.table_z);
+  require_ranges("preflight", s);
+  require_in_range("preflight.surface_step", s.surface_step, Range::positive(), "m");
+  require_in_range("preflight.normal_smoothing", s.normal_smoothing, {0.0, 1.0}, "m");
+  require_in_range("preflight.torque_share", s.torque_share, Range::positive(), "");
+  require_in_range("preflight.normal_force", s.normal_force, {0.0, 1e4}, "N");
+  require_in_range("preflight.friction", s.friction, {0.0, 10.0}, "");
   require_in_range("preflight.space.max_effective_mass", s.space.max_effective_mass,
                    Range::positive(), "kg");
   require_in_range("preflight.space.characteristic_length", s.space.characteristic_length,

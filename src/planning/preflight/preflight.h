@@ -31,7 +31,6 @@
 
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/canvas/canvas.h"
-#include "impedraw/common/range.h"
 #include "impedraw/control/operational_space.h"
 #include "impedraw/drawing/placement.h"
 #include "impedraw/planning/path/tip_path.h"
@@ -100,27 +99,6 @@ struct PreflightSettings {
   // keeps that much further off.
   std::function<double(const Eigen::Vector3d&)> height_error;
   std::optional<double> table_z;  // height of an infinite table [m], W; default: none
-
-  struct Limits {
-    static constexpr Limit step = {"step", "m", {1e-4, 0.1}};
-    static constexpr Limit surface_step = {"surface_step", "m", Range::positive()};
-    static constexpr Limit edge_tolerance = {"edge_tolerance", "m", {1e-6, 0.01}};
-    static constexpr Limit edge_margin = {"edge_margin", "m", {0.0, 0.1}};
-    static constexpr Limit shortest = {"shortest", "m", {0.0, 1.0}};
-    static constexpr Limit least_speed = {"least_speed", "m/s", {0.0, 1.0}};
-    static constexpr Limit roughest = {"roughest", "m", {1e-5, 0.01}};
-    static constexpr Limit max_slope = {"max_slope", "deg", {1.0, 89.0}};
-    static constexpr Limit fold_height = {"fold_height", "m", {1e-6, 0.1}};
-    static constexpr Limit normal_smoothing = {"normal_smoothing", "m", {0.0, 1.0}};
-    static constexpr Limit joint_margin = {"joint_margin", "rad", {0.0, 1.0}};
-    static constexpr Limit max_joint_step = {"max_joint_step", "rad", {0.001, 3.0}};
-    static constexpr Limit torque_share = {"torque_share", "", Range::positive()};
-    static constexpr Limit normal_force = {"normal_force", "N", {0.0, 1e4}};
-    static constexpr Limit friction = {"friction", "", {0.0, 10.0}};
-    // half of kFarEnough (clearance.h)
-    static constexpr Limit clearance = {"clearance", "m", {0.0, 0.015}};
-    static constexpr Limit table_z = {"table_z", "m", {-2.0, 2.0}};
-  };
 };
 
 // Throws InputError naming the setting, its value and the allowed range.

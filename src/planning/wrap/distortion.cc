@@ -88,19 +88,6 @@ Distortion over_strokes(const std::vector<PlacedStroke>& strokes, const Onto& on
   return result;
 }
 
-Distortion over_patch(const SurfacePatch& patch,
-                      const std::function<Matrix2d(const Vector2d&)>& differential) {
-  Gathering gathering;
-  for (const SurfaceSample& sample : patch.samples) {
-    const Matrix2d J = differential(sample.p_P.head<2>());
-    const LocalStretch s = stretch_of(sample, J);
-    gathering.lengths(s.largest, J.determinant());
-    gathering.lengths(s.smallest, J.determinant());
-    gathering.shapes(s);
-  }
-  return gathering.result();
-}
-
 }  // namespace
 
 double LocalStretch::angle() const {
@@ -136,14 +123,6 @@ Distortion distortion_of_wrap(const std::vector<PlacedStroke>& strokes,
         return plane ? surface(plane->x(), plane->y(), last) : std::nullopt;
       },
       [&](const SurfaceSample& sample) { return stretch_of_wrap(sample, chart); });
-}
-
-Distortion patch_distortion_of_projection(const SurfacePatch& patch) {
-  return over_patch(patch, [](const Vector2d&) -> Matrix2d { return Matrix2d::Identity(); });
-}
-
-Distortion patch_distortion_of_wrap(const FlatChart& chart) {
-  return over_patch(chart.patch(), [&](const Vector2d& p) { return chart.differential(p); });
 }
 
 }  // namespace impedraw

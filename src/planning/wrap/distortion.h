@@ -28,14 +28,13 @@ LocalStretch stretch_of_projection(const SurfaceSample& sample);
 LocalStretch stretch_of_wrap(const SurfaceSample& sample, const FlatChart& chart);
 
 // Over strokes: stretch along the strokes, from chords of at most 0.5 mm, weighted by page length.
-// Area and angles are taken at the chord midpoints. Over a patch: stretch in all directions at its
-// vertices (rms over σ₁ and σ₂), weighted by page area.
+// Area and angles are taken at the chord midpoints.
 struct Distortion {
   double stretch_min = 1, stretch_max = 1;  // surface length / page length
   double stretch_rms = 0;                   // rms of its deviation from 1
   double area_min = 1, area_max = 1;        // surface area / page area
   double angle_max = 0;                     // [rad]
-  // measured length, excluding parts off the surface or off the patch [m]; 0 over a patch
+  // measured length, excluding parts off the surface or off the patch [m]
   double page_length = 0;
 };
 
@@ -45,8 +44,5 @@ Distortion distortion_of_projection(const std::vector<PlacedStroke>& strokes,
                                     const SurfaceHeight& surface);
 Distortion distortion_of_wrap(const std::vector<PlacedStroke>& strokes,
                               const SurfaceHeight& surface, const FlatChart& chart);
-
-Distortion patch_distortion_of_projection(const SurfacePatch& patch);
-Distortion patch_distortion_of_wrap(const FlatChart& chart);
 
 }  // namespace impedraw

@@ -186,10 +186,10 @@ class Follower {
 }  // namespace
 
 void validate(const WrapSettings& s) {
-  using Limits = WrapSettings::Limits;
-  require_in_range("wrap", Limits::spacing, s.spacing);
-  require_in_range("wrap", Limits::margin, s.margin);
-  require_in_range("wrap", Limits::tolerance, s.tolerance);
+  RangeChecks("wrap")
+      .field("spacing", s.spacing, {5e-4, 0.02}, "m")
+      .field("margin", s.margin, {0.001, 0.5}, "m")
+      .field("tolerance", s.tolerance, {1e-7, 1e-2}, "m");
   if (s.margin < 2 * s.spacing)
     throw InputError(fmt::format("wrap.margin is {} m, allowed is two spacings or more: {} m",
                                  s.margin, 2 * s.spacing));

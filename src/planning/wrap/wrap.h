@@ -20,7 +20,6 @@
 
 #include <Eigen/Core>
 
-#include "impedraw/common/range.h"
 #include "impedraw/drawing/placement.h"
 #include "impedraw/planning/stroke_part.h"
 #include "impedraw/planning/surface_height.h"
@@ -36,12 +35,6 @@ struct WrapSettings {
   double tolerance = 1e-5;
   // an interpreter with libigl; empty: the venv that impedraw was built with
   std::filesystem::path python{};
-
-  struct Limits {
-    static constexpr Limit spacing = {"spacing", "m", {5e-4, 0.02}};
-    static constexpr Limit margin = {"margin", "m", {0.001, 0.5}};
-    static constexpr Limit tolerance = {"tolerance", "m", {1e-7, 1e-2}};
-  };
 };
 
 // Throws InputError naming the setting, its value and the allowed range.
