@@ -92,13 +92,13 @@ class Plain {
 
   void fix(UrdfElement* joint) {
     auto* limit = joint->FirstChildElement("limit");
-    if (std::find(way_.begin(), way_.end(), joint) != way_.end()) {
-      if (!is_type(joint, "continuous")) return;
+    const bool on_way = std::find(way_.begin(), way_.end(), joint) != way_.end();
+    if (on_way && is_type(joint, "continuous")) {
       joint->SetAttribute("type", "revolute");
       if (!limit) limit = joint->InsertNewChildElement("limit");
       limit->SetAttribute("lower", -2.0 * M_PI);
       limit->SetAttribute("upper", 2.0 * M_PI);
-    } else if (!is_type(joint, "fixed")) {
+    } else if (!on_way && !is_type(joint, "fixed")) {
       const double low = number(limit, "lower"), high = number(limit, "upper");
       const double q = low < high ? std::clamp(0.0, low, high) : 0.0;
       Isometry3d X = placement_of(joint);
@@ -106,9 +106,10 @@ class Plain {
       if (is_type(joint, "revolute")) X.rotate(Eigen::AngleAxisd(q, axis_of(joint)));
       if (q != 0.0) set_placement(joint, X);
       joint->SetAttribute("type", "fixed");
-      for (UrdfElement* mimic : all(joint, "mimic")) joint->DeleteChild(mimic);
       fixed_ += " " + name_of(joint);
     }
+    if (is_type(joint, "fixed"))
+      for (UrdfElement* mimic : all(joint, "mimic")) joint->DeleteChild(mimic);
   }
 
   // A link as long as the way from the base to the tip has another unit.

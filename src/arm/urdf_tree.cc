@@ -1,6 +1,7 @@
 #include "impedraw/arm/urdf_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include <fmt/format.h>
@@ -119,6 +120,8 @@ std::vector<ArmEnd> arm_ends(const UrdfTree& tree) {
                                                                         int joints,
                                                                         std::size_t depth) {
     ArmEnd here{{root}, {Eigen::Isometry3d::Identity()}};
+    if (const UrdfElements way = tree.way_to(value(root, "name")); !way.empty())
+      here.axis = axis_of(way.back());
     UrdfElements moving;
     for (std::size_t i = 0; i < here.links.size() && i < tree.links.size(); ++i)
       for (UrdfElement* joint : tree.joints) {
@@ -154,6 +157,26 @@ std::vector<ArmEnd> arm_ends(const UrdfTree& tree) {
   return ends;
 }
 
+namespace {
+
+// The furthest frame on the last joint's axis that is nothing but a frame; empty: there is none.
+std::string bare_frame(const ArmEnd& end) {
+  constexpr double kOnAxis = 1e-3;  // [m]
+  std::string furthest;
+  double most = 0.0;
+  for (std::size_t i = 0; i < end.links.size(); ++i) {
+    const Eigen::Vector3d p = end.X_RL[i].translation();
+    const double along = std::abs(end.axis.dot(p));
+    if (!end.links[i]->NoChildren() || end.axis.cross(p).norm() > kOnAxis) continue;
+    if (!furthest.empty() && along <= most) continue;
+    furthest = value(end.links[i], "name");
+    most = along;
+  }
+  return furthest;
+}
+
+}  // namespace
+
 std::vector<std::string> flange_candidates(const std::vector<ArmEnd>& ends) {
   std::vector<std::string> candidates;
   for (const ArmEnd& end : ends) {
@@ -163,6 +186,7 @@ std::vector<std::string> flange_candidates(const std::vector<ArmEnd>& ends) {
       for (const UrdfElement* link : end.links)
         if (best.empty() && value(link, "name").find(part) != std::string::npos)
           best = value(link, "name");
+    if (best.empty() && !end.chain) best = bare_frame(end);
     if (!best.empty())
       candidates.push_back(best);
     else

@@ -49,11 +49,13 @@ urdf::ModelInterfaceSharedPtr parsed_urdf(const std::string& text,
 struct ArmEnd {
   UrdfElements links;
   std::vector<Eigen::Isometry3d, Eigen::aligned_allocator<Eigen::Isometry3d>> X_RL;
-  bool chain = true;  // each link on the one before it
+  bool chain = true;                                // each link on the one before it
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  // of the last joint, in R
 };
 std::vector<ArmEnd> arm_ends(const UrdfTree& tree);
 // The link of each end with the first of these in its name: tool0, tcp, flange, eef, ee_link,
-// end_effector, tool, hand, gripper; the only link; or all of them.
+// end_effector, tool, hand, gripper; else the furthest of the links without a body or a mass that
+// stand on the last joint's axis; the only link; or all of them.
 std::vector<std::string> flange_candidates(const std::vector<ArmEnd>& ends);
 
 }  // namespace impedraw

@@ -39,6 +39,7 @@ constexpr double kApart = 8e-3, kLag = 0.03, kUsual = 5e-3, kForget = 1;      //
 constexpr double kUnmoved = 0.15, kStill = 1e-4, kAsked = 0.1, kHeld = 0.02;  // [s], [rad], share
 constexpr double kSame = 8e-3, kSameReadings = 3, kFrozen = 1e-4;             // [s], –, [rad]
 constexpr double kFriction = 0.02, kLeastFriction = 1.5;                      // share, [Nm]
+constexpr Eigen::Index kTogether = 3;                                         // joints
 constexpr double kBeside = 0.05, kMostBeside = 1e-3;                          // [s], [rad]
 
 }  // namespace
@@ -171,7 +172,8 @@ void ReadingsThatStand::update_stops(const MotionReading& now, const MotionLimit
     const auto needed = now.M->lazyProduct(stops).cwiseAbs() / now.dt;
     const auto changed = (now.torque - torque_).cwiseAbs() + (now.external - external_).cwiseAbs();
     const auto friction = (kFriction * limits.torque).cwiseMax(kLeastFriction);
-    if ((needed - changed - friction).maxCoeff() > 0.0)
+    if ((stops.array() != 0.0).count() >= kTogether ||
+        (needed - changed - friction).maxCoeff() > 0.0)
       stopped_ = (stops.array() != 0.0).select(stops, stopped_);
   }
   torque_ = now.torque;

@@ -362,6 +362,25 @@ TEST_F(VendorUrdf, OfNamelessLinksOneOnTheOtherTheLastCarriesThePen) {
   EXPECT_THAT(made(Vendor{.end = on}.text()).notes, Contains(HasSubstr("stands on 'plate_b'")));
 }
 
+// As Franka's FR3 (a body for collisions beside the flange) and KUKA's iiwa 7 (two frames on it).
+TEST_F(VendorUrdf, OfNamelessLinksTheFurthestFrameOnTheLastAxisCarriesThePen) {
+  const std::string body = Vendor{}.body;
+  const std::string fr3 = fixed("l6", "l6_sc", "", body) + fixed("l6", "l7", "xyz='0 0.107 0'") +
+                          fixed("l6", "camera", "xyz='0.1 0.2 0'");
+  EXPECT_THAT(made(Vendor{.end = fr3}.text()).notes, Contains(HasSubstr("stands on 'l7'")));
+  const std::string iiwa = fixed("l6", "ee_a", "xyz='0 0.045 0' rpy='0 -1.57 0'") +
+                           fixed("l6", "ee_b", "xyz='0 0.045 0'");
+  EXPECT_THAT(made(Vendor{.end = iiwa}.text()).notes,
+              Contains(HasSubstr("stands on 'ee_a', along its (0.00, 1.00, 0.00)")));
+}
+
+// As TALOS's gripper.
+TEST_F(VendorUrdf, AFixedJointMimicsNothing) {
+  std::string urdf = Vendor{.end = kTip}.text();
+  urdf.replace(urdf.find("'0 0 0.1'/></joint>"), 19, "'0 0 0.1'/><mimic joint='j1'/></joint>");
+  EXPECT_EQ(ArmModel(write("arm.urdf", urdf)).joints(), 6);
+}
+
 // As the SO-100: five joints and a jaw.
 TEST_F(VendorUrdf, AJawIsNoJointOfAnArm) {
   std::string urdf = Vendor{}.text();
@@ -372,7 +391,9 @@ TEST_F(VendorUrdf, AJawIsNoJointOfAnArm) {
 }
 
 TEST_F(VendorUrdf, CandidatesAreListedWhereTheFlangeIsNotClear) {
-  const std::string parts = fixed("l6", "plate_a", "xyz='0 0 0.1'") + fixed("l6", "plate_b", "");
+  const std::string body = Vendor{}.body;
+  const std::string parts =
+      fixed("l6", "plate_a", "xyz='0 0 0.1'", body) + fixed("l6", "plate_b", "", body);
   const std::string urdf = Vendor{.end = parts}.text();
   const auto file = write("arm.urdf", urdf);
   EXPECT_THAT(refusal([&] { vendor_urdf_with_pen(file, "", {}); }),

@@ -244,6 +244,44 @@ TEST(Lies, OnlyAStopThatNothingExplainsIsOne) {
   EXPECT_EQ(named(0.0101, 0.0, 1e-5, 0.0), -1);  // rounded, it may have crept
 }
 
+// At 5 mm/s friction can stop each joint, but not three within a millisecond. Unnoticed, the arm
+// flies off at 20 rad/s.
+TEST(Lies, SlowJointsDoNotStopTogether) {
+  const JointVector speed = JointVector::Ones(4), limit = JointVector::Constant(4, 300.0);
+  const JointVector none = JointVector::Zero(4);
+  const JointMatrix M = 0.1 * JointMatrix::Identity(4, 4);
+  // joints: that stop with the first; later: the others, by so many readings.
+  const auto named = [&](int joints, int later) {
+    MotionCheck check(speed, limit);
+    JointVector q = none;
+    for (int i = 0; i < 300; ++i) {
+      for (int j = 0; j < 4; ++j)
+        if (i < 200 + (j < joints ? 0 : later * j)) q[j] += 4e-6 * std::min(1.0, (i + 1) / 100.0);
+      if (check.update(q, nullptr, none, none, 1e-3, &M)) return i - 200;
+    }
+    return -1;
+  };
+  EXPECT_EQ(named(4, 0), 8);
+  EXPECT_EQ(named(3, 100), 8);
+  EXPECT_EQ(named(2, 1), -1);
+}
+
+TEST(Lies, ASlowArmWhosePositionsStandStillIsStoppedAtOnce) {
+  for (const char* name : {"bowl-sine", "bowl-sine-natural", "bowl-sine-realistic"}) {
+    SCOPED_TRACE(name);
+    Prepared e =
+        prepared(name, {"path.draw_speed=0.005",
+                        "faults=[{kind: standing_state, start: 0.03, duration: 1000}]"});
+    double hardest = 0.0;
+    RunHooks hooks;
+    hooks.row = [&](const LogRow& row) { hardest = std::max(hardest, row.contact_force.norm()); };
+    Liar arm(e);
+    const RunOutcome outcome = run(e, arm, {}, 0.0, hooks);
+    EXPECT_THAT(outcome.cause, HasSubstr("the arm does not move, although joint"));
+    EXPECT_LT(hardest, 8.0);
+  }
+}
+
 TEST(Lies, AConstantSpeedThatPositionsContradictIsNamed) {
   const JointVector one = JointVector::Ones(2), none = JointVector::Zero(2);
   // Positions go on at `truly`, rounded to 1e-5 rad, beside a speed that is said.
