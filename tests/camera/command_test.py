@@ -1,6 +1,7 @@
 """The commands, on rendered boards and on recordings that other libraries wrote."""
 
 import json
+import struct
 
 import cv2
 import numpy as np
@@ -98,6 +99,38 @@ def test_a_damaged_folder_is_one_line_and_leaves_nothing(tmp_path, capsys):
     (tmp_path / "x.mcap").write_bytes(b"no bag")
     assert main(["capture", "import", str(tmp_path / "x.mcap"), "--into", str(tmp_path / "c")]) == 2
     assert main(["capture", "import", str(tmp_path / "none"), "--into", str(tmp_path / "c")]) == 2
+
+
+def test_large_damaged_bags_are_one_line_at_once(tmp_path, capsys):
+    """1 GB of nothing: without a look at its records, the reader takes each byte for one."""
+    magic, text = b"\x89MCAP0\r\n", lambda t: struct.pack("<I", len(t)) + t
+    record = lambda opcode, content: struct.pack("<BQ", opcode, len(content)) + content
+    begun = magic + record(1, text(b"ros2") + text(b""))
+    chunk = struct.pack("<BQ28sIQ", 6, 2**29, b"", 0, 2**29 - 40)
+    end = lambda summary: record(2, struct.pack("<QQI", summary, 0, 0)) + magic
+    for name, head, tail in (("zeros.mcap", b"", b""), ("hole.mcap", begun, end(0)), ("summary.mcap", begun, end(len(begun))),
+                             ("chunk.mcap", begun + chunk, end(0)), ("cut.mcap", begun + chunk[:20], b""), ("zeros.db3", b"", b"")):  # fmt: skip
+        with (tmp_path / name).open("wb") as file:
+            file.write(head)
+            file.truncate(2**30 - len(tail))
+            file.seek(0, 2)
+            file.write(tail)
+        assert main(["capture", "import", str(tmp_path / name), "--into", str(tmp_path / "c")]) == 2
+        said = capsys.readouterr().err.strip().splitlines()
+        assert len(said) == 1 and name in said[0] and "damaged" in said[0], said
+
+
+def test_a_damaged_message_is_one_line(tmp_path, capsys):
+    import sqlite3
+
+    with sqlite3.connect(tmp_path / "x.db3") as bag:
+        bag.execute("create table topics(id integer primary key, name text, type text, serialization_format text, offered_qos_profiles text)")
+        bag.execute("create table messages(id integer primary key, topic_id integer, timestamp integer, data blob)")
+        bag.execute("insert into topics values(1, '/camera/depth/image_rect_raw', 'sensor_msgs/msg/Image', 'cdr', '')")
+        bag.execute("insert into messages values(1, 1, 0, zeroblob(1000))")
+    assert main(["capture", "import", str(tmp_path / "x.db3"), "--into", str(tmp_path / "c")]) == 2
+    said = capsys.readouterr().err.strip().splitlines()
+    assert len(said) == 1 and "x.db3 is damaged" in said[0], said
 
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bisect
 import pathlib
+import struct
 from collections.abc import Callable, Iterator
 
 import cv2
@@ -225,6 +226,25 @@ def lens_of(message: object) -> Intrinsics:
     return Intrinsics(message.width, message.height, K[0], K[4], K[2], K[5], model, tuple(np.pad(D, (0, 5))[:5].tolist()))
 
 
+def check_mcap(file: pathlib.Path) -> None:
+    """Walks over the records of a file, so that a hole in it, which reads as 10⁸ empty ones, is found at once."""
+    footer, chunk = 2, 6
+    size, opcode = file.stat().st_size, 1
+    with file.open("rb") as records:
+        at = records.seek(8)  # after the magic
+        while opcode != footer:
+            head = records.read(9)
+            opcode, length = struct.unpack("<BQ", head) if len(head) == 9 else (0, 0)
+            if opcode == chunk:
+                # Times, size and checksum; the compression's name; the size of the records; the first one's opcode.
+                _, named = struct.unpack("<28sI", records.read(32).ljust(32, b"\0"))
+                if named == 0 and length > 40 and records.read(9)[8:] in (b"\0", b""):
+                    opcode = 0
+            if opcode == 0 or at + 9 + length > size:
+                raise ValueError(f"{file} is no ROS 2 bag, or is damaged: there is no valid record at byte {at}")
+            at = records.seek(at + 9 + length)
+
+
 def ros2(bag: pathlib.Path, views: int, base: str | None, topic: str | None, note: Callable[[str], None]) -> Iterator[Seen]:
     """Images are read one at a time, so that a bag may be larger than memory."""
     try:
@@ -232,6 +252,8 @@ def ros2(bag: pathlib.Path, views: int, base: str | None, topic: str | None, not
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise ValueError("rosbags is not installed: pip install 'impedraw[camera]'") from None
+    for file in [bag] if bag.suffix == ".mcap" else sorted(bag.glob("*.mcap")):
+        check_mcap(file)
     try:
         reader = AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         reader.open()
@@ -273,5 +295,9 @@ def ros2(bag: pathlib.Path, views: int, base: str | None, topic: str | None, not
                 if base and X is None:
                     note(f"{name}: no transforms lead from '{base}' to '{frame}' at {time:.3f} s; the view has no pose")
                 yield Frame(depth_of(message), None, time), lens, X
+    except (ValueError, OSError):
+        raise
+    except Exception as error:  # noqa: BLE001 - as above, of a message
+        raise ValueError(f"{bag} is damaged: {error}") from None
     finally:
         reader.close()
