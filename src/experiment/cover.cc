@@ -10,6 +10,7 @@
 #include "impedraw/drawing/regions.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/planning/cover/even_forces.h"
+#include "impedraw/planning/cover/even_lines.h"
 
 namespace impedraw {
 namespace {
@@ -156,11 +157,12 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
   plan.centres = footprint_centres(plan.grid, plan.wish);
   require_centres(plan, s, errors);
   plan.lines = cover_lines(plan.grid, plan.centres, plan.wish);
-  const std::vector<char> promised =
-      swept(plan.grid, plan.lines.passes, plan.wish.footprint.radius - kAstray);
-  plan.promised_area = area_of(plan.grid, promised);
-  plan.forces = even_forces(plan.grid, plan.lines.passes, pad->radius,
-                            inside_by(plan.grid, promised, pad->radius), kForceChange);
+  const auto promised = [&] { return swept(plan.grid, plan.lines.passes, pad->radius - kAstray); };
+  const std::vector<char> inner = inside_by(plan.grid, promised(), pad->radius);
+  even_lines(plan.grid, plan.centres.clearance, pad->radius, inner, plan.lines.edges,
+             &plan.lines.passes);
+  plan.promised_area = area_of(plan.grid, promised());
+  plan.forces = even_forces(plan.grid, plan.lines.passes, pad->radius, inner, kForceChange);
   for (auto& pass : plan.forces)
     for (double& f : pass) f *= s.control.normal_force;
   note_rest(plan.grid, plan, plan.wish.region, &plan.notes);

@@ -14,9 +14,9 @@ namespace {
 using Line = std::vector<Eigen::Vector2d>;
 
 constexpr double kKnots = 3e-3;  // between the points of a line [m]
-// Of a row's end from the border of the centres, and what a bend there takes off it, in spacings:
-// scanned on a dome, a saddle and a plane (docs/decisions/0045).
-constexpr double kRowEnd = 0.35, kBendWay = 0.65;
+// Of a row's end, and of the row beside the border, from the border of the centres, in radii; what a
+// bend takes off a row's end, in spacings; how far rows may be spread: docs/decisions/0045.
+constexpr double kRowEnd = 0.35, kFirstRow = 0.5, kBendWay = 0.65, kSpread = 0.05;
 
 double length_of(const SurfaceGrid& g, const Line& line) {
   double sum = 0.0;
@@ -220,12 +220,19 @@ Centres footprint_centres(const SurfaceGrid& g, const CoverWish& wish) {
 CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const CoverWish& wish) {
   CoverLines found;
   const double radius = wish.footprint.radius;
-  for (Line& line : level_lines(g, centres.clearance, 0.0))
-    if (length_of(g, line) > radius) found.passes.push_back(smoothed(std::move(line)));
+  // A place on the border lacks half of the rows that others have: denser rows, more rounds.
+  const long rounds = std::max(1L, std::lround(0.62 * radius / wish.spacing));
+  for (const Line& line : level_lines(g, centres.clearance, 0.0)) {
+    if (length_of(g, line) <= radius) continue;
+    const Line once = smoothed(line);
+    Line& pass = found.passes.emplace_back(once);
+    const bool closed = (once.front() - once.back()).norm() < 1e-9;
+    for (long k = 1; k < rounds && closed; ++k)
+      pass.insert(pass.end(), once.begin() + 1, once.end());
+  }
+  found.edges = found.passes.size();
 
-  // The edge's line covers a strip as wide as the footprint; the rows cover the rest. Their ends
-  // lie where the mean dose is most even up to the border, less the way of the bends.
-  const double inner = std::min(kRowEnd * wish.spacing, 0.95 * radius);
+  const double inner = kFirstRow * radius;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   double n = 0.0;
   for (std::size_t v = 0; v < g.size(); ++v)
@@ -240,12 +247,14 @@ CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const Cover
     low = std::min(low, across[v]);
     high = std::max(high, across[v]);
   }
-  const int count = std::max(1, static_cast<int>(std::ceil((high - low) / wish.spacing)));
-  const double first = low + 0.5 * (high - low - (count - 1) * wish.spacing);
+  const int count =
+      1 + std::max(0, static_cast<int>(std::ceil((high - low) / wish.spacing - kSpread)));
+  const double spacing = count > 1 ? (high - low) / (count - 1) : 0.0;
+  const double first = count > 1 ? low : 0.5 * (low + high);
   std::vector<Row> rows;
   for (int k = 0; k < count; ++k)
-    for (const Line& whole : level_lines(g, across, first + k * wish.spacing))
-      for (Line& part : parts_above(g, centres.clearance, inner, smoothed(whole)))
+    for (const Line& whole : level_lines(g, across, first + k * spacing))
+      for (Line& part : parts_above(g, centres.clearance, kRowEnd * radius, smoothed(whole)))
         if (length_of(g, part) > 0.2 * radius)
           rows.push_back({k, resampled(shortened(part, kBendWay * wish.spacing), kKnots)});
   found.rows = rows.size();

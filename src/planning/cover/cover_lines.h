@@ -3,9 +3,9 @@
 // Centres   where the footprint keeps `margin` from every edge, and all of it would touch:
 //           δ + h_i > 0 for at least kTouching of its places, δ the mean compression of its foam,
 //           h_i the height of place i over the footprint's plane
-// Edge      one closed line along the border of the centres
+// Edge      one closed line along the border of the centres, walked more than once where rows are dense
 // Rows      level sets of the distance from a line across the middle (surface_grid.h), `spacing`
-//           apart on the surface, as far as the row beside the edge's line
+//           apart on the surface or less, so that the outer ones lie beside the edge's line
 // Passes    the edge's lines, then the rows there and back, joined by bends as wide as their
 //           distance, lifted only where a join would leave the centres
 #pragma once
@@ -45,6 +45,7 @@ Centres footprint_centres(const SurfaceGrid& grid, const CoverWish& wish);
 
 struct CoverLines {
   std::vector<std::vector<Eigen::Vector2d>> passes;  // in the plane [m]
+  std::size_t edges = 0;                             // the first passes, along the border
   std::size_t rows = 0;                              // lines that are level sets
 };
 CoverLines cover_lines(const SurfaceGrid& grid, const Centres& centres, const CoverWish& wish);

@@ -1,6 +1,7 @@
 #include "impedraw/planning/cover/even_forces.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace impedraw {
@@ -9,31 +10,41 @@ namespace {
 
 constexpr int kRounds = 40, kSmoothings = 2;
 
-// The places under the footprint at each point of the lines, and the way there.
-struct Knot {
+// The way on which the footprint holds each place, of one segment of a line.
+struct Segment {
   double way;  // [m]
-  std::vector<std::uint32_t> places;
+  std::vector<std::pair<std::uint32_t, double>> places;
 };
 
-std::vector<Knot> knots_of(const SurfaceGrid& g, const PlaneLines& lines, double radius) {
-  std::vector<Knot> knots;
+// Of all lines, one more for each line's last point.
+std::vector<Segment> segments_of(const SurfaceGrid& g, const PlaneLines& lines, double radius) {
+  std::vector<Segment> segments;
   for (const auto& line : lines)
     for (std::size_t i = 0; i < line.size(); ++i) {
-      const Eigen::Vector3d p = g.lifted(line[i]);
-      Knot& knot = knots.emplace_back(Knot{0.0, {}});
-      if (i > 0) knot.way += 0.5 * (p - g.lifted(line[i - 1])).norm();
-      if (i + 1 < line.size()) knot.way += 0.5 * (g.lifted(line[i + 1]) - p).norm();
-      around(g, p, radius,
-             [&](std::size_t v) { knot.places.push_back(static_cast<std::uint32_t>(v)); });
+      Segment& s = segments.emplace_back(Segment{0.0, {}});
+      if (i + 1 == line.size()) continue;
+      const Eigen::Vector3d a = g.lifted(line[i]), d = g.lifted(line[i + 1]) - a;
+      s.way = d.norm();
+      if (!(s.way > 0.0)) continue;
+      const Eigen::Vector3d u = d / s.way;
+      around(g, a + 0.5 * d, radius + 0.5 * s.way, [&](std::size_t v) {
+        const Eigen::Vector3d q = g.point(v) - a;
+        const double foot = q.dot(u), half2 = radius * radius - q.squaredNorm() + foot * foot;
+        if (!(half2 > 0.0)) return;
+        const double half = std::sqrt(half2);
+        const double held = std::min(s.way, foot + half) - std::max(0.0, foot - half);
+        if (held > 0.0) s.places.emplace_back(static_cast<std::uint32_t>(v), held);
+      });
     }
-  return knots;
+  return segments;
 }
 
-std::vector<double> dose_of(const SurfaceGrid& g, const std::vector<Knot>& knots,
+std::vector<double> dose_of(const SurfaceGrid& g, const std::vector<Segment>& segments,
                             const std::vector<double>& force) {
   std::vector<double> dose(g.size(), 0.0);
-  for (std::size_t k = 0; k < knots.size(); ++k)
-    for (const std::uint32_t v : knots[k].places) dose[v] += knots[k].way * force[k];
+  for (std::size_t k = 0; k < segments.size(); ++k)
+    for (const auto& [v, way] : segments[k].places)
+      dose[v] += 0.5 * way * (force[k] + force[k + 1]);
   return dose;
 }
 
@@ -41,31 +52,30 @@ std::vector<double> dose_of(const SurfaceGrid& g, const std::vector<Knot>& knots
 
 std::vector<double> dose_of(const SurfaceGrid& g, const PlaneLines& lines, double radius,
                             const std::vector<std::vector<double>>& forces) {
-  const std::vector<Knot> knots = knots_of(g, lines, radius);
+  const std::vector<Segment> segments = segments_of(g, lines, radius);
   std::vector<double> force;
   for (const auto& line : forces) force.insert(force.end(), line.begin(), line.end());
-  force.resize(knots.size(), 1.0);
-  return dose_of(g, knots, force);
+  force.resize(segments.size(), 1.0);
+  return dose_of(g, segments, force);
 }
 
 std::vector<std::vector<double>> even_forces(const SurfaceGrid& g, const PlaneLines& lines,
                                              double radius, const std::vector<char>& places,
                                              double most) {
-  const std::vector<Knot> knots = knots_of(g, lines, radius);
-  std::vector<double> force(knots.size(), 1.0);
+  const std::vector<Segment> segments = segments_of(g, lines, radius);
+  std::vector<double> force(segments.size(), 1.0);
   double mean = 0.0, area = 0.0;
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<double> dose = dose_of(g, knots, force);
+    const std::vector<double> dose = dose_of(g, segments, force);
     if (round == 0)
       for (std::size_t v = 0; v < g.size(); ++v)
         if (places[v]) mean += g.area(v) * dose[v], area += g.area(v);
     if (!(area > 0.0)) break;
-    for (std::size_t k = 0; k < knots.size(); ++k) {
-      double sum = 0.0;
-      int n = 0;
-      for (const std::uint32_t v : knots[k].places)
-        if (places[v]) sum += mean / area / dose[v], ++n;
-      if (n > 0) force[k] = std::clamp(force[k] * sum / n, 1.0 - most, 1.0 + most);
+    for (std::size_t k = 0; k < segments.size(); ++k) {
+      double sum = 0.0, n = 0.0;
+      for (const auto& [v, way] : segments[k].places)
+        if (places[v]) sum += way * mean / area / dose[v], n += way;
+      if (n > 0.0) force[k] = std::clamp(force[k] * sum / n, 1.0 - most, 1.0 + most);
     }
     std::size_t first = 0;
     for (const auto& line : lines) {
@@ -82,8 +92,8 @@ std::vector<std::vector<double>> even_forces(const SurfaceGrid& g, const PlaneLi
   }
   for (int round = 0; round < kRounds; ++round) {
     double way = 0.0, pressed = 0.0;
-    for (std::size_t k = 0; k < knots.size(); ++k)
-      way += knots[k].way, pressed += knots[k].way * force[k];
+    for (std::size_t k = 0; k < segments.size(); ++k)
+      way += segments[k].way, pressed += segments[k].way * force[k];
     for (double& f : force) f = std::clamp(f * way / pressed, 1.0 - most, 1.0 + most);
   }
   std::vector<std::vector<double>> forces;

@@ -1,0 +1,139 @@
+#include "impedraw/planning/cover/even_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+namespace impedraw {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Line = std::vector<Vector2d>;
+
+constexpr int kRounds = 60, kRim = 24, kSmoothings = 6;
+constexpr double kMost = 1e-3, kLeast = 2e-5, kFirst = 0.5e-3;  // of a round's moves [m]
+
+struct Unevenness {
+  std::vector<double> e, e_area;  // of each vertex: e, e dA
+  double rms = 0.0;
+};
+
+Unevenness unevenness(const SurfaceGrid& g, const std::vector<double>& area,
+                      const std::vector<double>& dose) {
+  Unevenness u{std::vector<double>(g.size()), std::vector<double>(g.size()), 0.0};
+  double whole = 0.0, sum = 0.0, squares = 0.0;
+  for (std::size_t v = 0; v < g.size(); ++v) whole += area[v], sum += area[v] * dose[v];
+  if (!(sum > 0.0)) return u;
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    if (!(area[v] > 0.0)) continue;
+    u.e[v] = dose[v] * whole / sum - 1.0;
+    u.e_area[v] = u.e[v] * area[v];
+    squares += u.e[v] * u.e_area[v];
+  }
+  u.rms = std::sqrt(squares / whole);
+  return u;
+}
+
+Vector2d gradient(const SurfaceGrid& g, const std::vector<double>& field, const Vector2d& p) {
+  const Vector2d x(g.step, 0.0), y(0.0, g.step);
+  return Vector2d(g.sample(field, p + x) - g.sample(field, p - x),
+                  g.sample(field, p + y) - g.sample(field, p - y)) /
+         (2.0 * g.step);
+}
+
+// ∮ e t ds over the footprint's rim, in the plane.
+Vector2d rim_pull(const SurfaceGrid& g, const Unevenness& u, const Vector2d& p, double radius) {
+  const Vector2d slope = gradient(g, g.z, p);
+  const Vector3d a = Vector3d(1.0, 0.0, slope.x()).normalized(),
+                 b = Vector3d(-slope.x(), -slope.y(), 1.0).normalized().cross(a);
+  Vector3d pull = Vector3d::Zero();
+  for (int k = 0; k < kRim; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / kRim;
+    const Vector3d t = std::cos(angle) * a + std::sin(angle) * b;
+    pull += g.sample(u.e, p + radius * t.head<2>()) * t;
+  }
+  return 2.0 * std::numbers::pi * radius / kRim * pull.head<2>();
+}
+
+bool is_closed(const Line& line) { return (line.front() - line.back()).norm() < 1e-9; }
+
+// Of each knot, per way at it, uphill on E.
+Line uphill(const SurfaceGrid& g, const Unevenness& u, const Line& line, double radius) {
+  const std::size_t n = line.size();
+  const bool closed = is_closed(line);
+  Line way(n, Vector2d::Zero());
+  std::vector<double> under(n, 0.0), along(n, 1e-4);
+  for (std::size_t i = 0; i < n; ++i)
+    around(g, g.lifted(line[i]), radius, [&](std::size_t v) { under[i] += u.e_area[v]; });
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double length = (g.lifted(line[i + 1]) - g.lifted(line[i])).norm();
+    along[i] += 0.5 * length, along[i + 1] += 0.5 * length;
+    const Vector2d longer =
+        0.5 * (under[i] + under[i + 1]) * (line[i + 1] - line[i]).stableNormalized();
+    way[i] -= longer, way[i + 1] += longer;
+  }
+  if (closed) {
+    way.front() = way.back() = way.front() + way.back();
+    along.front() = along.back() = along.front() + along.back();
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    way[i] = way[i] / along[i] + rim_pull(g, u, line[i], radius);
+  for (int k = 0; k < kSmoothings; ++k) {
+    Line next = way;
+    for (std::size_t i = 1; i + 1 < n; ++i)
+      next[i] = 0.25 * way[i - 1] + 0.5 * way[i] + 0.25 * way[i + 1];
+    if (closed) next.front() = next.back() = 0.25 * way[n - 2] + 0.5 * way[0] + 0.25 * way[1];
+    way = std::move(next);
+  }
+  return way;
+}
+
+// The place nearest to p among the centres; `before` where none is near.
+Vector2d onto_centres(const SurfaceGrid& g, const std::vector<double>& clearance, Vector2d p,
+                      const Vector2d& before) {
+  for (int k = 0; k < 3 && g.sample(clearance, p) < 0.0; ++k) {
+    const Vector2d up = gradient(g, clearance, p);
+    if (up.norm() < 1e-3) break;
+    p -= g.sample(clearance, p) * up / up.squaredNorm();
+  }
+  return g.sample(clearance, p) < std::min(0.0, g.sample(clearance, before)) - 0.1e-3 ? before : p;
+}
+
+}  // namespace
+
+void even_lines(const SurfaceGrid& g, const std::vector<double>& clearance, double radius,
+                const std::vector<char>& places, std::size_t fixed, PlaneLines* lines) {
+  std::vector<double> area(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v) area[v] = places[v] ? g.area(v) : 0.0;
+  Unevenness u = unevenness(g, area, dose_of(g, *lines, radius));
+  double most = kFirst;
+  for (int round = 0; round < kRounds && most > kLeast; ++round) {
+    PlaneLines ways(lines->size());
+    double largest = 0.0;
+    for (std::size_t l = fixed; l < lines->size(); ++l) {
+      ways[l] = uphill(g, u, (*lines)[l], radius);
+      for (const Vector2d& way : ways[l]) largest = std::max(largest, way.norm());
+    }
+    if (!(largest > 0.0)) return;
+    PlaneLines moved = *lines;
+    for (std::size_t l = fixed; l < lines->size(); ++l)
+      for (std::size_t i = 0; i < ways[l].size(); ++i) {
+        const Vector2d& p = (*lines)[l][i];
+        moved[l][i] = onto_centres(g, clearance, p - most / largest * ways[l][i], p);
+      }
+    Unevenness after = unevenness(g, area, dose_of(g, moved, radius));
+    if (after.rms < u.rms) {
+      u = std::move(after);
+      *lines = std::move(moved);
+      most = std::min(1.2 * most, kMost);
+    } else {
+      most *= 0.6;
+    }
+  }
+}
+
+}  // namespace impedraw
