@@ -10,7 +10,9 @@
 
 namespace impedraw {
 
-double PadSettings::area() const { return std::numbers::pi * radius * radius; }
+double PadSettings::area() const {
+  return face == PadFace::disc ? std::numbers::pi * radius * radius : 2.0 * radius;
+}
 
 double JointSensorSettings::velocity_age(double dt) const {
   if (velocity != VelocityReading::difference) return delay;
@@ -31,6 +33,28 @@ WrenchSensorSettings WrenchSensorSettings::realistic() {
   s.range_torque = 10.0;
   s.delay = 2e-3;
   return s;
+}
+
+void require_valid(const WorldSettings& s) {
+  using Limits = WorldSettings::Limits;
+  using Tip = TipMaterial::Limits;
+  require_in_range("world", Limits::joint_friction, s.joint_friction);
+  require_in_range("world", Limits::gravity, s.gravity);
+  require_in_range("world", Limits::substeps, s.substeps);
+  require_in_range("world.tip", Tip::radius, s.tip.radius);
+  require_in_range("world.tip", Tip::stiffness, s.tip.stiffness);
+  require_in_range("world.tip", Tip::damping, s.tip.damping);
+  require_in_range("world.tip", Tip::friction, s.tip.friction);
+  require_in_range("world.tip", Tip::friction_change, s.tip.friction_change);
+  require_in_range("world.tip", Tip::friction_length, s.tip.friction_length);
+  require_in_range("world.tip", Tip::wear, s.tip.wear);
+  if (!s.pad) return;
+  using Pad = PadSettings::Limits;
+  require_in_range("tool", Pad::radius, s.pad->radius);
+  require_in_range("tool", Pad::thickness, s.pad->thickness);
+  if (s.pad->face != PadFace::disc) return;
+  require_in_range("tool", Pad::stiffness, s.pad->stiffness);
+  require_in_range("tool", Pad::damping, s.pad->damping);
 }
 
 void require_valid(const WrenchSensorSettings& s, double dt) {
