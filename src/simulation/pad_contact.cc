@@ -11,6 +11,16 @@ namespace impedraw {
 // Ring j has 6 j cells between the radii r √((3 j² ∓ 3 j + 1)/N), at the radius of gyration between
 // them, so that the moments of inertia are those of the disc.
 PadContact::PadContact(const PadSettings& settings) : settings_(settings) {
+  if (settings.face != PadFace::disc) {
+    const bool edge = settings.face == PadFace::edge;
+    for (std::size_t i = 0; i < kCells; ++i) {
+      const double at = settings.radius * (2.0 * (static_cast<double>(i) + 0.5) / kCells - 1.0);
+      cells_[i] = Eigen::Vector2d(edge ? at : 0.0, edge ? 0.0 : at);
+      cells_[i].x() -= settings.trail;
+    }
+    reset();
+    return;
+  }
   std::size_t cell = 0;
   cells_[cell++] = Eigen::Vector2d::Zero();
   for (int j = 1; j <= kRings; ++j) {
@@ -33,13 +43,15 @@ void PadContact::reset() noexcept {
 const PadLoad& PadContact::press(const Canvas& canvas, const Pose& X_KE, const Vector6& V_KE,
                                  double dt) noexcept {
   load_ = {};
-  const double reach = settings_.rest + settings_.radius;
+  const double reach = settings_.rest + settings_.radius + settings_.trail;
   if (!canvas.closest(X_KE.p, reach + settings_.thickness)) {
     reset();
     return load_;
   }
   const Eigen::Vector3d z = X_KE.R.col(2), v = V_KE.head<3>(), w = V_KE.tail<3>();
-  const double area = settings_.area() / kCells, shear_stiffness = 0.5 * settings_.stiffness;
+  const bool flat = settings_.face == PadFace::disc;
+  const double area = settings_.area() / kCells,
+               shear_stiffness = (flat ? 0.5 : kLineShear) * settings_.stiffness;
   Eigen::Vector3d normals = Eigen::Vector3d::Zero(), centres = Eigen::Vector3d::Zero();
   double sum = 0.0;
   for (std::size_t i = 0; i < kCells; ++i) {
@@ -60,7 +72,13 @@ const PadLoad& PadContact::press(const Canvas& canvas, const Pose& X_KE, const V
     s += dt * v_i;
     s -= n * n.dot(s);
     const double most = settings_.friction * p / shear_stiffness, size = s.norm();
-    if (size > most) s *= most / size;
+    if (!flat) {
+      const double across = settings_.friction_across * p / shear_stiffness;
+      const Eigen::Vector3d x = X_KE.R.col(0), a = (x - n * n.dot(x)).normalized(), b = n.cross(a);
+      s = std::clamp(a.dot(s), -most, most) * a + std::clamp(b.dot(s), -across, across) * b;
+    } else if (size > most) {
+      s *= most / size;
+    }
     const Eigen::Vector3d f = area * (p * n - shear_stiffness * s);
     load_.f += f;
     load_.m += arm.cross(f);

@@ -1,16 +1,19 @@
-// Contact of a pad with the canvas: a rigid disc that carries a layer of foam. The foam is a bed of
+// Contact of a face with the canvas: a rigid disc that carries a layer of foam, or a line, which is
+// the edge of a blade (blade_law.h) or the roller's line of contact. What gives way is a bed of
 // independent springs (Winkler), and each of its cells slides by Coulomb's law.
 //
 //   δ_i  = ray from the disc at cell i along z_E, which meets the canvas within the foam [m]
 //   p_i  = max(0, k δ_i − b n_i·v_i)                             pressure [Pa], along n_i
 //   s_i ← s_i + (1 − n_i n_iᵀ) v_i dt,  |k_s s_i| ≤ μ p_i         shear, k_s = k/2
+//   of a line: |k_s s_i·a| ≤ μ p_i,  |k_s s_i·b| ≤ μ_across p_i;  a: x_E along the surface,
+//   b = n × a; k_s = 20 k: what is cut gives way by a tenth of the depth
 //   F    = Σ A_i (p_i n_i − k_s s_i)                              and its moment about E
 //
 // v_i: velocity of the foam's face at the cell relative to the canvas. The free face lies `rest`
 // before E, so that E lies on a flat canvas that the pad presses with k π r² `rest`.
 //
 // On a plane, pressed by d and tilted by θ: F = k π r² d, M = k π r⁴/4 θ; sliding |F_t| = μ F;
-// turning on the spot M = 2/3 μ F r.
+// turning on the spot M = 2/3 μ F r; a line, on the spot about its middle, M = μ_across F r/2.
 #pragma once
 
 #include <array>
@@ -34,6 +37,7 @@ struct PadLoad {
 
 class PadContact {
  public:
+  static constexpr double kLineShear = 20.0;
   static constexpr int kRings = 3, kCells = 1 + 3 * kRings * (kRings + 1);  // of equal area
 
   explicit PadContact(const PadSettings& settings);

@@ -54,4 +54,41 @@ void PosedBody::cover(const Vector3d& origin_W, std::span<const Vector3d> direct
   }
 }
 
+void PosedBody::copy(const mjModel* m, const mjData* d) {
+  const auto same = [m](int a, int b) {  // a URDF may list a body as visual and as collision
+    return m->geom_type[a] == m->geom_type[b] && m->geom_bodyid[a] == m->geom_bodyid[b] &&
+           m->geom_dataid[a] == m->geom_dataid[b] &&
+           std::equal(m->geom_size + 3 * a, m->geom_size + 3 * a + 3, m->geom_size + 3 * b) &&
+           std::equal(m->geom_pos + 3 * a, m->geom_pos + 3 * a + 3, m->geom_pos + 3 * b) &&
+           std::equal(m->geom_quat + 4 * a, m->geom_quat + 4 * a + 4, m->geom_quat + 4 * b);
+  };
+  if (model != m) {
+    *this = {};
+    model = m;
+    bool meshes = false;
+    for (int g = 0; g < m->ngeom; ++g) {
+      const bool invisible = m->geom_matid[g] < 0 && m->geom_rgba[4 * g + 3] == 0.0f;
+      const bool known = std::any_of(shapes.begin(), shapes.end(),
+                                     [&](const auto& shape) { return same(shape.geom, g); });
+      if (invisible || known) continue;
+      Shape shape;
+      shape.kind = m->geom_type[g];
+      shape.geom = g;
+      shape.size = Eigen::Map<const Eigen::Vector3d>(m->geom_size + 3 * g);
+      shape.radius = m->geom_rbound[g] > 0.0 ? m->geom_rbound[g] : 1e3;  // a plane has none
+      meshes = meshes || shape.kind == mjGEOM_MESH;
+      shapes.push_back(shape);
+    }
+    if (meshes) placed.reset(mj_makeData(m), mj_deleteData);
+  }
+  for (Shape& shape : shapes) {
+    shape.p_W = Eigen::Map<const Eigen::Vector3d>(d->geom_xpos + 3 * shape.geom);
+    shape.R_WG = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d->geom_xmat +
+                                                                                9 * shape.geom);
+  }
+  if (!placed) return;
+  std::copy_n(d->geom_xpos, 3 * m->ngeom, placed->geom_xpos);
+  std::copy_n(d->geom_xmat, 9 * m->ngeom, placed->geom_xmat);
+}
+
 }  // namespace impedraw

@@ -27,6 +27,9 @@ struct PosedBody {
   const mjModel_* model = nullptr;
   std::shared_ptr<mjData_> placed;  // null without meshes
 
+  // Puts all of it where it is in the data of that model. Allocates nothing the second time.
+  void copy(const mjModel_* model, const mjData_* data);
+
   enum class Rays { all, finite };  // which of them are cast at the body
   // Lowers each distance along its unit direction from the origin [m] to that of the body, where
   // that is nearer. The same numbers as World::ray_to_arm(); directions of neighbouring pixels are

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "impedraw/simulation/world_settings.h"
 
@@ -33,6 +34,15 @@ struct TipImpulse {
   Eigen::Vector3d p;      // h f on the tip [N s]; zero if it is out of contact or separating
   bool converged = true;  // false: stopped after kTipContactSweeps
 };
+
+// R_WC of the contact's frame.
+inline Eigen::Matrix3d contact_frame(const Eigen::Vector3d& n) {
+  Eigen::Matrix3d R;
+  R.col(2) = n;
+  R.col(0) = n.unitOrthogonal();
+  R.col(1) = n.cross(R.col(0));
+  return R;
+}
 
 // For a sliding tip, the iteration starts from `guess`.
 TipImpulse solve_tip_contact(const TipContactStep& step, const TipMaterial& tip,

@@ -10,9 +10,7 @@
 #include <mujoco/mujoco.h>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/common/range_check.h"
 #include "impedraw/simulation/compiled_arm.h"
-#include "impedraw/simulation/describe_world.h"
 #include "impedraw/simulation/flange_balance.h"
 #include "impedraw/simulation/link_contact.h"
 
@@ -32,14 +30,6 @@ using ImpulseColumns =
 thread_local char last_warning[256] = "";
 void keep_warning(const char* text) {
   std::snprintf(last_warning, sizeof last_warning, "%s", text);
-}
-
-Eigen::Matrix3d contact_frame(const Eigen::Vector3d& n) {
-  Eigen::Matrix3d R;
-  R.col(2) = n;
-  R.col(0) = n.unitOrthogonal();
-  R.col(1) = n.cross(R.col(0));
-  return R;
 }
 
 }  // namespace
@@ -87,27 +77,12 @@ struct World::Mujoco {
   }
 };
 
-namespace {
-
-const WorldSettings& checked(const WorldSettings& s) {
-  require_ranges("world", s);
-  if (s.pad) {
-    using Pad = PadSettings::Limits;
-    require_in_range("tool", Pad::radius, s.pad->radius);
-    require_in_range("tool", Pad::thickness, s.pad->thickness);
-    require_in_range("tool", Pad::stiffness, s.pad->stiffness);
-    require_in_range("tool", Pad::damping, s.pad->damping);
-  }
-  return s;
-}
-
-}  // namespace
-
 World::World(const std::filesystem::path& urdf, const Canvas* canvas, const WorldSettings& settings)
-    : settings_(checked(settings)),
+    : settings_((require_valid(settings), settings)),
       canvas_(canvas),
       h_(settings.dt / settings.substeps),
       mujoco_(std::make_unique<Mujoco>()),
+      tool_(settings_, canvas),
       drive_(settings.errors, settings.dt) {
   mju_user_warning = keep_warning;
   const bool elastic = settings.joint_spring.on();
@@ -150,8 +125,6 @@ World::World(const std::filesystem::path& urdf, const Canvas* canvas, const Worl
   mujoco_->joint_impulse = mujoco_->friction = mujoco_->link_torque = JointVector::Zero(n);
   mujoco_->flange.emplace(mujoco_->model);
   mujoco_->link_contact.emplace(mujoco_->shape, canvas);
-  if (canvas && settings.pad) pad_.emplace(*settings.pad);
-  if (settings.cutter) cutter_.emplace(*settings.cutter);
   state_.q = state_.v = JointVector::Zero(n);
   set_state(state_.q, state_.v);
 }
@@ -179,8 +152,7 @@ void World::set_state(const JointVector& q, const JointVector& v) {
   drive_.reset();
   tip_touches_.reset();
   line_.reset();
-  if (pad_) pad_->reset();
-  cut_side_W_.setZero();
+  tool_.reset();
   applied_torque_ = JointVector::Zero(joints());
   observe();
   if (springs_)
@@ -277,31 +249,6 @@ const TipContact& World::advance(const JointVector& tau, const Vector6& F_push_W
   return contact_;
 }
 
-// The pad's wrench [force; moment] at E, in W, and the contact that it makes.
-Vector6 World::press_pad() noexcept {
-  contact_ = {};
-  const bool moves = motion_.moves();
-  const CanvasMotion::State canvas = moves ? canvas_state() : CanvasMotion::State();
-  const Pose X_KW = canvas.X_WK.inverse();
-  Vector6 V_KE = state_.V_WE;
-  if (moves) {
-    V_KE.head<3>() -= canvas.velocity_at(state_.X_WE.p);
-    V_KE.tail<3>() -= canvas.w;
-    V_KE.head<3>() = X_KW.R * V_KE.head<3>().eval();
-    V_KE.tail<3>() = X_KW.R * V_KE.tail<3>().eval();
-  }
-  const PadLoad& load = pad_->press(*canvas_, X_KW * state_.X_WE, V_KE, h_);
-  Vector6 F = Vector6::Zero();
-  if (!load.touching) return F;
-  contact_.touching = true;
-  contact_.f_W = canvas.X_WK.R * load.f;
-  contact_.p_WC = canvas.X_WK * load.centre;
-  contact_.n_W = canvas.X_WK.R * load.n;
-  F << contact_.f_W, canvas.X_WK.R * load.m;
-  contact_.m_W = F.tail<3>() - (contact_.p_WC - state_.X_WE.p).cross(contact_.f_W);
-  return F;
-}
-
 // One integration step under the applied torque.
 void World::integrate(const Vector6& F_push_W) noexcept {
   const mjModel* m = mujoco_->model;
@@ -309,9 +256,14 @@ void World::integrate(const Vector6& F_push_W) noexcept {
   const int n = m->nv;
   JointVector generalised =
       springs_ ? springs_->begin(applied_torque_, state_.q, state_.v) : applied_torque_;
-  Vector6 F_W = pad_ ? Vector6(F_push_W + press_pad()) : F_push_W;
-  const Eigen::Vector3d cut_side_W = cut_side_W_;
-  if (cutter_) F_W.head<3>() += cut_side_W;
+  Vector6 F_W = F_push_W;
+  if (tool_.has_face()) {
+    const PadLoad& face = tool_.press(canvas_state(), state_.X_WE, state_.V_WE, h_);
+    F_W.head<3>() += face.f;
+    F_W.tail<3>() += face.m;
+  }
+  const Eigen::Vector3d cut_side_W = tool_.side_W();
+  if (tool_.has_cutter()) F_W.head<3>() += cut_side_W;
   if (!F_W.isZero(0.0)) {
     mj_jac(m, d, mujoco_->J_push.data(), mujoco_->J_push.data() + 3 * n, state_.X_WE.p.data(),
            mujoco_->tip_body);
@@ -323,13 +275,14 @@ void World::integrate(const Vector6& F_push_W) noexcept {
   JointVector acceleration(n);
   const JointVector force = generalised - bias;
   mj_solveM(m, d, acceleration.data(), force.data(), 1);
-  const TipContact pad = contact_;
+  const Eigen::Vector3d p_WE = state_.X_WE.p;
   solve_impulses(state_.v + h_ * acceleration);
 
   Eigen::Map<Eigen::VectorXd> applied(d->qfrc_applied, n);
   applied = generalised + mujoco_->joint_impulse / h_;
-  if (pad_) contact_ = pad;
-  if (cutter_ && contact_.touching) contact_.f_W += cut_side_W;
+  if (const PadLoad& face = tool_.load(); face.touching)
+    contact_ = {true, face.f, face.m - (face.centre - p_WE).cross(face.f), face.centre, face.n};
+  if (tool_.has_cutter() && contact_.touching) contact_.f_W += cut_side_W;
   for (const Mujoco::Touch& touch : std::span(mujoco_->touches).first(mujoco_->touched))
     applied += touch.J_W.transpose().lazyProduct(Eigen::Vector3d(touch.R_WC * touch.impulse / h_));
   mj_step2(m, d);
@@ -381,22 +334,6 @@ void World::find_touches() noexcept {
   }
 }
 
-// The cut is the nearest place's spring, damper and friction. Returns the force across the way.
-Eigen::Vector3d World::engage_cutter() noexcept {
-  Eigen::Vector3d side_K = Eigen::Vector3d::Zero();
-  if (mujoco_->touched == 0) {
-    cutter_->release();
-    return side_K;
-  }
-  Mujoco::Touch& touch = mujoco_->touches[0];
-  const Pose X_KW = motion_.moves() ? canvas_state().X_WK.inverse() : Pose();
-  const Eigen::Matrix3d R_KC = X_KW.R * touch.R_WC;
-  const Eigen::Vector3d v_C = touch.J_C.lazyProduct(state_.v) - touch.canvas_velocity;
-  cutter_->engage(X_KW * touch.p_WC, R_KC.col(2), R_KC * v_C, touch.step.penetration, h_,
-                  &touch.tip, &side_K);
-  return X_KW.R.transpose() * side_K;
-}
-
 // Solves for consistent impulses of the tip and the joints. v_free: velocity after the step without
 // them.
 void World::solve_impulses(const JointVector& v_free) noexcept {
@@ -421,8 +358,14 @@ void World::solve_impulses(const JointVector& v_free) noexcept {
   }
 
   w.touched = 0;
-  if (canvas_ && !pad_) find_touches();
-  if (cutter_) cut_side_W_ = engage_cutter();
+  if (canvas_ && !tool_.has_face()) find_touches();
+  if (w.touched == 0) tool_.release();
+  if (w.touched > 0 && tool_.has_cutter()) {
+    Mujoco::Touch& nearest = w.touches[0];
+    tool_.engage(canvas_state().X_WK.inverse(), {nearest.p_WC, nearest.R_WC},
+                 nearest.J_C.lazyProduct(state_.v) - nearest.canvas_velocity,
+                 nearest.step.penetration, h, &nearest.tip);
+  }
   const std::span touches = std::span(w.touches).first(w.touched);
   const auto solve = [&w](Mujoco::Touch& touch) {  // returns the largest change
     const Eigen::Vector3d last = touch.impulse;
@@ -531,42 +474,7 @@ void World::pose_body() noexcept {
 }
 
 void World::copy_body(PosedBody* body) const {
-  const mjModel* m = mujoco_->shape;
-  const mjData* d = mujoco_->shape_data;
-  const auto same = [m](int a, int b) {  // a URDF may list a body as visual and as collision
-    return m->geom_type[a] == m->geom_type[b] && m->geom_bodyid[a] == m->geom_bodyid[b] &&
-           m->geom_dataid[a] == m->geom_dataid[b] &&
-           std::equal(m->geom_size + 3 * a, m->geom_size + 3 * a + 3, m->geom_size + 3 * b) &&
-           std::equal(m->geom_pos + 3 * a, m->geom_pos + 3 * a + 3, m->geom_pos + 3 * b) &&
-           std::equal(m->geom_quat + 4 * a, m->geom_quat + 4 * a + 4, m->geom_quat + 4 * b);
-  };
-  if (body->model != m) {
-    *body = {};
-    body->model = m;
-    bool meshes = false;
-    for (int g = 0; g < m->ngeom; ++g) {
-      const bool invisible = m->geom_matid[g] < 0 && m->geom_rgba[4 * g + 3] == 0.0f;
-      const bool known = std::any_of(body->shapes.begin(), body->shapes.end(),
-                                     [&](const auto& shape) { return same(shape.geom, g); });
-      if (invisible || known) continue;
-      PosedBody::Shape shape;
-      shape.kind = m->geom_type[g];
-      shape.geom = g;
-      shape.size = Eigen::Map<const Eigen::Vector3d>(m->geom_size + 3 * g);
-      shape.radius = m->geom_rbound[g] > 0.0 ? m->geom_rbound[g] : 1e3;  // a plane has none
-      meshes = meshes || shape.kind == mjGEOM_MESH;
-      body->shapes.push_back(shape);
-    }
-    if (meshes) body->placed.reset(mj_makeData(m), mj_deleteData);
-  }
-  for (PosedBody::Shape& shape : body->shapes) {
-    shape.p_W = Eigen::Map<const Eigen::Vector3d>(d->geom_xpos + 3 * shape.geom);
-    shape.R_WG = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d->geom_xmat +
-                                                                                9 * shape.geom);
-  }
-  if (!body->placed) return;
-  std::copy_n(d->geom_xpos, 3 * m->ngeom, body->placed->geom_xpos);
-  std::copy_n(d->geom_xmat, 9 * m->ngeom, body->placed->geom_xmat);
+  body->copy(mujoco_->shape, mujoco_->shape_data);
 }
 
 World::Terms World::terms() const {

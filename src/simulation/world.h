@@ -5,8 +5,8 @@
 //   v⁺ = v + h M⁻¹ (τ_a + Jᵀ F_push − C v − g − b v⁺) + M⁻¹ (Σ J_cᵀ p + p_joint)
 //   q⁺ = q + h v⁺
 //
-// With a pad, its wrench at the start of the step (pad_contact.h) is part of F_push, and p is zero.
-// With a cutter (cutter_contact.h), the force across its way in the last step is, at E.
+// With a tool (tool_contact.h), the wrench of a face at the start of the step is part of F_push,
+// and p is zero; of a cutter, the force across its way in the last step is, at E.
 //
 // The simulated arm can differ from the URDF, and τ_a from the commanded torque: ModelErrors.
 // The drives clip τ_a to the URDF's effort limits and hold it for all integration steps of dt.
@@ -29,14 +29,13 @@
 #include "impedraw/common/pose.h"
 #include "impedraw/control/arm_terms.h"
 #include "impedraw/simulation/canvas_motion.h"
-#include "impedraw/simulation/cutter_contact.h"
 #include "impedraw/simulation/joint_drive.h"
 #include "impedraw/simulation/joint_springs.h"
-#include "impedraw/simulation/pad_contact.h"
 #include "impedraw/simulation/posed_body.h"
 #include "impedraw/simulation/tip_contact.h"
 #include "impedraw/simulation/tip_line.h"
 #include "impedraw/simulation/tip_touches.h"
+#include "impedraw/simulation/tool_contact.h"
 #include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
@@ -160,8 +159,6 @@ class World {
   void look_for_touching_links() noexcept;
   void find_touches() noexcept;
   void solve_impulses(const JointVector& v_free) noexcept;
-  Vector6 press_pad() noexcept;
-  Eigen::Vector3d engage_cutter() noexcept;
 
   WorldSettings settings_;
   const Canvas* canvas_;
@@ -172,9 +169,7 @@ class World {
   WorldState state_;
   TipContact contact_;
   TipTouches tip_touches_;
-  std::optional<PadContact> pad_;
-  std::optional<CutterContact> cutter_;
-  Eigen::Vector3d cut_side_W_ = Eigen::Vector3d::Zero();  // across the cutter's way [N]
+  ToolContact tool_;
   JointDrive drive_;
   std::optional<JointSprings> springs_;
   TipLine line_;

@@ -11,7 +11,9 @@
 
 namespace impedraw {
 
-double PadSettings::area() const { return std::numbers::pi * radius * radius; }
+double PadSettings::area() const {
+  return face == PadFace::disc ? std::numbers::pi * radius * radius : 2.0 * radius;
+}
 
 double JointSensorSettings::velocity_age(double dt) const {
   if (velocity != VelocityReading::difference) return delay;
@@ -32,6 +34,17 @@ WrenchSensorSettings WrenchSensorSettings::realistic() {
   s.range_torque = 10.0;
   s.delay = 2e-3;
   return s;
+}
+
+void require_valid(const WorldSettings& s) {
+  require_ranges("world", s);
+  if (!s.pad) return;
+  using Pad = PadSettings::Limits;
+  require_in_range("tool", Pad::radius, s.pad->radius);
+  require_in_range("tool", Pad::thickness, s.pad->thickness);
+  if (s.pad->face != PadFace::disc) return;
+  require_in_range("tool", Pad::stiffness, s.pad->stiffness);
+  require_in_range("tool", Pad::damping, s.pad->damping);
 }
 
 void require_valid(const WrenchSensorSettings& s, double dt) {

@@ -27,23 +27,33 @@ struct TipMaterial {
   double wear = 0.0;              // k, length per work of a tangential force f_n [m/(N m)]
 };
 
+// What touches with a face instead of the ball's point (pad_contact.h).
+enum class PadFace {
+  disc,  // a pad
+  edge,  // a line along x_E: a blade
+  axle,  // a line along y_E: a roller
+};
+
 struct PadSettings {
-  double radius = 0.015;     // r [m]
-  double thickness = 0.010;  // of the foam [m]
-  double stiffness = 2e6;    // k, pressure per compression [N/m³]
-  double damping = 8e3;      // b [N s/m³]
-  double friction = 0.3;     // μ
+  double radius = 0.015;     // r; of a line: half its length [m]
+  double thickness = 0.010;  // of the foam, or of what gives way beneath a line [m]
+  double stiffness = 2e6;    // k, pressure per compression [N/m³]; of a line [N/m²]
+  double damping = 8e3;      // b [N s/m³]; of a line [N s/m²]
+  double friction = 0.3;     // μ; of a line: against motion along x_E
   double rest = 0.0;         // of the free face before E [m]
+  PadFace face = PadFace::disc;
+  double friction_across = 0.0;  // of a line: against motion along y_E
+  double trail = 0.0;            // of a line's middle behind E, along −x_E [m]
 
   struct Limits {
-    static constexpr Limit radius = {"radius", "m", {2e-3, 0.1}};
+    static constexpr Limit radius = {"radius", "m", {5e-5, 0.1}};
     static constexpr Limit thickness = {"thickness", "m", {1e-3, 0.1}};
     static constexpr Limit stiffness = {"stiffness", "N/m³", {1e4, 1e9}};
     static constexpr Limit damping = {"damping", "N s/m³", {0.0, 1e6}};
   };
 
-  double area() const;  // π r² [m²]
-  // Pressure of the foam, compressed by δ at the rate v [Pa].
+  double area() const;  // π r² [m²]; of a line: its length [m]
+  // Pressure of the foam, compressed by δ at the rate v [Pa]; of a line [N/m].
   double pressure(double compression, double rate) const {
     return compression > 0.0 ? std::max(0.0, stiffness * compression + damping * rate) : 0.0;
   }
@@ -181,6 +191,9 @@ struct WorldSettings {
   JointSensorSettings joint_sensor;      // read by the simulated arm
   bool flange_sensor = false;            // enables flange_wrench()
 };
+
+// Throws InputError for a setting out of range.
+void require_valid(const WorldSettings& settings);
 
 // Numbers of steps since the simulation began.
 struct SolverCutoffs {

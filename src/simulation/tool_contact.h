@@ -1,0 +1,50 @@
+// Contact of what the arm holds with a canvas that may move: the one seam between the world and its
+// tools. At most one is set; without one the ball of the tip touches alone.
+//
+//   face    (pad_contact.h) a pad or an edge. Takes the ball's place: press() gives its wrench.
+//   cutter  (cutter_contact.h) makes the ball's nearest place a cut: engage() gives what that place
+//           is like, and a force across the way, which acts in the next step.
+//
+// Both laws are in the canvas's frame K; here all is in W.
+#pragma once
+
+#include <optional>
+
+#include "impedraw/simulation/canvas_motion.h"
+#include "impedraw/simulation/cutter_contact.h"
+#include "impedraw/simulation/pad_contact.h"
+
+namespace impedraw {
+
+class ToolContact {
+ public:
+  // `canvas` may be null, and must outlive this.
+  ToolContact(const WorldSettings& settings, const Canvas* canvas);
+
+  bool has_face() const noexcept { return face_.has_value(); }
+  bool has_cutter() const noexcept { return cutter_.has_value(); }
+  void reset() noexcept;
+
+  // Of the face, whose frame is E, at the start of a step of dt; the canvas is there and moves so.
+  // Moment about E. Nothing touches without a face.
+  const PadLoad& press(const CanvasMotion::State& canvas, const Pose& X_WE, const Vector6& V_WE,
+                       double dt) noexcept;
+
+  const PadLoad& load() const noexcept { return load_; }  // of the last press()
+
+  // The cut at the ball's nearest place C, whose velocity relative to the canvas is v_C, in C.
+  void engage(const Pose& X_KW, const Pose& X_WC, const Eigen::Vector3d& v_C, double depth,
+              double dt, TipMaterial* tip) noexcept;
+  void release() noexcept;  // the cutter touches nothing
+  // Across the cutter's way, at E [N].
+  const Eigen::Vector3d& side_W() const noexcept { return side_W_; }
+
+ private:
+  const Canvas* canvas_;
+  std::optional<PadContact> face_;
+  std::optional<CutterContact> cutter_;
+  PadLoad load_;
+  Eigen::Vector3d side_W_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace impedraw
