@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -22,7 +23,8 @@ struct Cover {
   Eigen::AlignedBox2d box;
   bool inked = false;
   std::size_t hides_from = 0;
-  std::uint32_t colour = 0;  // of a stroke
+  std::uint32_t colour = 0;           // of a stroke
+  std::optional<Outlines> seen = {};  // what something white above leaves of the region
 };
 
 // The covers over the paints that are looked at, from the last to the first.

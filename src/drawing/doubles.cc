@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "impedraw/common/cross.h"
+#include "impedraw/drawing/polyline.h"
 
 namespace impedraw {
 namespace {
@@ -96,6 +97,34 @@ class Drawn {
   std::unordered_map<long, std::vector<int>> cells_;
 };
 
+// Strokes that lie on no line: short ones that no other's box comes near.
+std::vector<char> lone_strokes(const std::vector<Stroke>& strokes, double distance) {
+  std::vector<Eigen::AlignedBox2d> boxes(strokes.size());
+  std::vector<std::size_t> by_x(strokes.size());
+  std::iota(by_x.begin(), by_x.end(), 0);
+  for (std::size_t i = 0; i < strokes.size(); ++i)
+    for (const Vector2d& p : strokes[i].points) boxes[i].extend(p);
+  std::sort(by_x.begin(), by_x.end(),
+            [&](std::size_t i, std::size_t j) { return boxes[i].min().x() < boxes[j].min().x(); });
+  std::vector<char> lone(strokes.size(), true);
+  double pairs = 0;
+  for (std::size_t k = 0; k < by_x.size(); ++k) {
+    const std::size_t i = by_x[k];
+    const Vector2d low = boxes[i].min().array() - distance,
+                   high = boxes[i].max().array() + distance;
+    for (std::size_t next = k + 1; next < by_x.size(); ++next, ++pairs) {
+      const std::size_t j = by_x[next];
+      if (boxes[j].min().x() > high.x()) break;
+      if (boxes[j].min().y() <= high.y() && boxes[j].max().y() >= low.y())
+        lone[i] = lone[j] = false;
+    }
+    if (pairs > kMostPairs) return std::vector<char>(strokes.size(), false);
+  }
+  for (std::size_t i = 0; i < strokes.size(); ++i)
+    lone[i] = lone[i] && length(strokes[i].points) < 2 * kLeastRun * distance;
+  return lone;
+}
+
 }  // namespace
 
 double drop_doubles(std::vector<Stroke>& strokes, double distance_mm) {
@@ -110,11 +139,12 @@ double drop_doubles(std::vector<Stroke>& strokes, double distance_mm) {
   std::stable_sort(by_width.begin(), by_width.end(), [&](std::size_t a, std::size_t b) {
     return strokes[a].width > strokes[b].width;
   });
+  const std::vector<char> lone = lone_strokes(strokes, distance_mm);
   std::vector<std::vector<Stroke>> parts(strokes.size());
   for (const std::size_t index : by_width) {
     Stroke& stroke = strokes[index];
     std::vector<Stroke>& kept = parts[index];
-    if (stroke.dash >= 0 || stroke.points.size() < 2 || drawn.pairs > kMostPairs) {
+    if (stroke.dash >= 0 || stroke.points.size() < 2 || drawn.pairs > kMostPairs || lone[index]) {
       kept.push_back(std::move(stroke));
       continue;
     }

@@ -12,31 +12,39 @@ namespace {
 using Eigen::Vector2d;
 // 2^24 pieces; only cusps reach it, with pieces far below any tolerance
 constexpr int kDeepest = 24;
+constexpr double kMostTurn = 1.57;  // of one piece [rad]
 
-double angle_between(const Vector2d& a, const Vector2d& b) {
-  return std::abs(std::atan2(cross(a, b), a.dot(b)));
+// True if the turns from a to b and from b to c make an angle of at most this tangent, below a
+// quarter turn.
+bool turns_little(const Vector2d& a, const Vector2d& b, const Vector2d& c, double tangent) {
+  double x1 = a.dot(b), x2 = b.dot(c);
+  const double y1 = std::abs(cross(a, b)), y2 = std::abs(cross(b, c));
+  if (x1 == 0 && y1 == 0) x1 = 1;
+  if (x2 == 0 && y2 == 0) x2 = 1;
+  // Angles add as those of complex numbers do.
+  return x1 >= 0 && x2 >= 0 && x1 * y2 + x2 * y1 <= tangent * (x1 * x2 - y1 * y2);
 }
 
 bool is_flat(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d,
-             const FlattenSettings& settings) {
+             double tolerance, double tangent) {
   const double second = 6.0 * std::max((a - 2 * b + c).norm(), (b - 2 * c + d).norm());
-  if (second > 8.0 * settings.tolerance) return false;
+  if (second > 8.0 * tolerance) return false;
   const double size = std::max({(b - a).norm(), (c - a).norm(), (d - a).norm()});
-  if (size < 0.1 * settings.tolerance) return true;
+  if (size < 0.1 * tolerance) return true;
   // The turn of the control polygon bounds that of the curve.
-  return angle_between(b - a, c - b) + angle_between(c - b, d - c) <= settings.turn;
+  return turns_little(b - a, c - b, d - c, tangent);
 }
 
 void cut_cubic(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d,
-               const FlattenSettings& settings, int depth, std::vector<Vector2d>& line) {
-  if (depth == kDeepest || is_flat(a, b, c, d, settings)) {
+               double tolerance, double tangent, int depth, std::vector<Vector2d>& line) {
+  if (depth == kDeepest || is_flat(a, b, c, d, tolerance, tangent)) {
     line.push_back(d);
     return;
   }
   const Vector2d ab = (a + b) / 2, bc = (b + c) / 2, cd = (c + d) / 2;
   const Vector2d abc = (ab + bc) / 2, bcd = (bc + cd) / 2, middle = (abc + bcd) / 2;
-  cut_cubic(a, ab, abc, middle, settings, depth + 1, line);
-  cut_cubic(middle, bcd, cd, d, settings, depth + 1, line);
+  cut_cubic(a, ab, abc, middle, tolerance, tangent, depth + 1, line);
+  cut_cubic(middle, bcd, cd, d, tolerance, tangent, depth + 1, line);
 }
 
 }  // namespace
@@ -48,7 +56,7 @@ void flatten_quadratic(const Vector2d& a, const Vector2d& b, const Vector2d& c,
 
 void flatten_cubic(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d,
                    const FlattenSettings& settings, std::vector<Vector2d>& line) {
-  cut_cubic(a, b, c, d, settings, 0, line);
+  cut_cubic(a, b, c, d, settings.tolerance, std::tan(std::min(settings.turn, kMostTurn)), 0, line);
 }
 
 void flatten_arc(const EllipseArc& arc, const FlattenSettings& settings,

@@ -13,6 +13,7 @@
 #include "impedraw/common/input_file.h"
 #include "impedraw/drawing/bounded.h"
 #include "impedraw/drawing/doubles.h"
+#include "impedraw/drawing/svg_letters.h"
 #include "impedraw/drawing/svg_subpaths.h"
 #include "impedraw/drawing/usvg/impedraw_usvg.h"
 #include "impedraw/drawing/visible.h"
@@ -260,7 +261,8 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   }
   const auto free_svg = [](const ImpedrawSvg* svg) { impedraw_svg_free(svg); };
   const std::unique_ptr<const ImpedrawSvg, decltype(free_svg)> svg(
-      impedraw_svg_read(reinterpret_cast<const std::uint8_t*>(document.data()), document.size()),
+      (settings.single_font.empty() ? impedraw_svg_read : impedraw_svg_letters)(
+          reinterpret_cast<const std::uint8_t*>(document.data()), document.size()),
       free_svg);
   if (svg->error) throw InputError(fmt::format("{}: cannot be read as SVG: {}", name, svg->error));
 
@@ -299,14 +301,19 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     return by_colour.empty() ? group : found == by_colour.end() ? 0 : found->second;
   };
   LeftOut left_out;
+  SvgLetters letters(settings.single_font);
   std::size_t points = 0;
   const double* dash_lengths = svg->dashes;
   auto subpath = subpaths.begin();
   for (const ImpedrawSvgPath* path = svg->paths; path != svg->paths + svg->path_count; ++path) {
     std::vector<std::vector<Vector2d>> lines;
     const auto first_subpath = subpath;
-    for (; subpath != subpaths.end() && subpath->path == path; ++subpath)
-      lines.push_back(flatten(*subpath, flatten_settings, name));
+    for (; subpath != subpaths.end() && subpath->path == path; ++subpath) {
+      if (path->letter[0] > 0)
+        lines = letters.strokes_of(*subpath);
+      else
+        lines.push_back(flatten(*subpath, flatten_settings, name));
+    }
     const int dash =
         add_dash(*path, dash_lengths, lines, subpaths.data() + (first_subpath - subpaths.begin()),
                  painting.dashes);
@@ -341,7 +348,7 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
       continue;
     }
     for (std::size_t i = 0; i < lines.size(); ++i) {
-      const SvgSubpath& outline = first_subpath[static_cast<std::ptrdiff_t>(i)];
+      const SvgSubpath& outline = first_subpath[path->letter[0] > 0 ? 0 : static_cast<long>(i)];
       Stroke stroke = stroke_of(outline, lines[i], strokes);
       if (!path->stroked && stroke.points.empty() && !outline.segments.empty() &&
           left_out.flat++ == 0)
@@ -369,6 +376,8 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
     }
   }
   look_at(std::move(painting), as_painted, artwork);
+  if (const std::string lacking = letters.lacking(); !lacking.empty())
+    artwork.warnings.push_back(lacking);
   tell_white_and_off(left_out, artwork);
   drop_empty_layers(artwork, true);
   order_layers(artwork);

@@ -16,8 +16,8 @@
 // hidden, and elements that are not rendered, draw nothing. Layers are the document's top-level
 // groups, named by Inkscape label, id or position, or its colours (layers.h).
 //
-// Text is drawn as the outlines of its glyphs, in the system's fonts. A warning names a font that
-// is not installed and the one that replaces it. What the internal DTD declares (namespaces,
+// Text is drawn as the outlines of its glyphs, in the system's fonts, or in single strokes
+// (svg_letters.h). A warning names a font that is not installed and the one that replaces it. What the internal DTD declares (namespaces,
 // default attributes) counts. A pathLength stretches the dashes.
 //
 // Artwork::warnings tells what is lost, in the same words wherever it is printed: lengths that are
@@ -49,6 +49,8 @@ struct SvgSettings {
   bool may_be_empty = false;  // nothing to draw is a warning, not an error
   Visible visible = Visible::as_painted;
   LayerSource layers = LayerSource::automatic;
+  // Text is drawn in this font's single strokes (hershey.h); empty: as outlines.
+  std::string single_font = {};
 };
 
 // InputError: the file is missing or not an SVG, has no valid size, nests more than 1,000 elements

@@ -15,12 +15,14 @@
 namespace impedraw {
 
 enum class TextAlign { left, centre, right };
+enum class SvgText { outline, single };  // of an SVG: outlines of its fonts' glyphs, or pen strokes
 
 struct TextSettings {
   std::string text;              // UTF-8
   std::string font = "futural";  // a name in hershey_folder(), or an SVG 1.1 font's path
   // height of the capitals on the page; absent: 10, for text that is fitted later
   std::optional<double> size_mm;
+  SvgText as = SvgText::outline;
   TextAlign align = TextAlign::left;
   double line_spacing = 1.8;  // between baselines, relative to the capitals' height
 

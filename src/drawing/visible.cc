@@ -5,8 +5,10 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
+#include "impedraw/drawing/clip_regions.h"
 #include "impedraw/drawing/covers.h"
 #include "impedraw/drawing/line_pieces.h"
 #include "impedraw/drawing/polyline.h"
@@ -16,36 +18,38 @@ namespace {
 
 using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
-constexpr double kHair = 3e-6;       // width of a border, relative to the drawing's diagonal
-constexpr double kLevels = 255;      // of a mask's luminance
-constexpr std::size_t kMerged = 24;  // covers over one paint that are united for the next ones
-constexpr std::size_t kMostRegions = 500;  // of clips that are kept
-constexpr double kCrossing = 1.0 / 300;    // of the diagonal: hidden by a stroke that it crosses
-constexpr double kSeam = 10;               // hairs beside a border that one colour has to fill
+constexpr double kHair = 3e-6;           // width of a border, relative to the drawing's diagonal
+constexpr std::size_t kMerged = 24;      // covers over one paint that are united for the next ones
+constexpr double kCrossing = 1.0 / 300;  // of the diagonal: hidden by a stroke that it crosses
+constexpr double kSeam = 10;             // hairs beside a border that one colour has to fill
 constexpr std::size_t kMostCovering = 100'000;    // points of strokes that hide others
 constexpr std::size_t kMostCompared = 2'000'000;  // points of strokes over the paints
+constexpr double kMostReach = 2;                  // of a stroke beside its line, in widths: mitres
 constexpr std::size_t kMostRims = 64;             // strokes over one paint that leave it a rim
 constexpr double kThinRim = 0.02;  // of a stroke's width: what is left of it is too thin to draw
 
-struct Shown {  // where a clip shows
-  Outlines region;
-  RegionIndex index;
-};
+using Shown = ClipRegions::Shown;
 
 class Eye {
  public:
   Eye(std::vector<Paint>& paints, const std::vector<Clip>& clips, std::vector<Dash>& dashes,
       const AlignedBox2d& all, const AlignedBox2d& ink)
       : paints_(paints),
-        clips_(clips),
         dashes_(dashes),
         math_(all),
+        clips_(clips, math_),
         hair_(std::max(kHair * ink.diagonal().norm(), all.diagonal().norm() > 1e4 ? 2e-4 : 1e-7)),
         touch_(3 * std::sqrt(hair_ * ink.diagonal().norm())),
         crossing_(kCrossing * ink.diagonal().norm()),
         covers_(ink),
         covering_(ink),
         shown_(paints.size()) {
+    for (const Paint& paint : paints) {
+      beneath_.push_back(beneath_.empty() ? AlignedBox2d() : beneath_.back().merged(boxes_.back()));
+      boxes_.push_back(outlines_box(paint.area.outlines).merged(bounds_of(paint.strokes)));
+      for (const Stroke& stroke : paint.strokes) colours_.insert(stroke.colour);
+      cuts_ = cuts_ || paint.clip >= 0 || (paint.hides && !paint.inked);
+    }
     bool any = false;
     for (std::size_t i = paints.size(); i-- > 0;) {
       if (paints[i].inked && !paints[i].area.outlines.empty()) first_area_ = i;
@@ -63,52 +67,14 @@ class Eye {
   }
 
  private:
-  // Where the clip and its parents show. A mask's levels stand for its luminance.
-  const Shown& shown_by(int clip) {
-    if (const auto known = regions_.find(clip); known != regions_.end()) return known->second;
-    const Clip& c = clips_[clip];
-    std::map<int, Outlines> levels;  // by luminance; where none is, it is 0
-    Outlines all;
-    // A single shape is its own region: the rest of what follows is for more.
-    const bool single = !c.mask && c.shapes.size() == 1 && !c.shapes[0].area.even_odd;
-    for (const ClipShape& shape : c.shapes) {
-      Outlines region = single ? shape.area.outlines : math_.region(shape.area);
-      if (shape.clip >= 0) region = math_.common(region, shown_by(shape.clip).region);
-      if (!c.mask) {
-        all.insert(all.end(), region.begin(), region.end());
-        continue;
-      }
-      std::map<int, Outlines> painted;
-      const auto put = [&](int level, const Outlines& part) {
-        if (!part.empty()) painted[level].insert(painted[level].end(), part.begin(), part.end());
-      };
-      const double light = kLevels * shape.alpha * shape.value;
-      Outlines rest = region;
-      for (const auto& [level, part] : levels) {
-        put(static_cast<int>(std::lround(level * (1 - shape.alpha) + light)),
-            math_.common(part, region));
-        put(level, math_.without(part, region));
-        rest = math_.without(rest, part);
-      }
-      put(static_cast<int>(std::lround(light)), rest);
-      levels = std::move(painted);
-    }
-    for (const auto& [level, part] : levels) {
-      if (level > kLevels / 2) all.insert(all.end(), part.begin(), part.end());
-    }
-    Outlines shown = single ? std::move(all) : math_.united(all);
-    if (c.parent >= 0) shown = math_.common(shown, shown_by(c.parent).region);
-    RegionIndex index(shown);
-    return regions_.emplace(clip, Shown{std::move(shown), std::move(index)}).first->second;
-  }
-
-  // The covers of the kind, united, as far as they reach into the box.
+  // The covers of the kind, united, as far as they reach into the box; of inked ones, what shows.
   Outlines united(const std::vector<int>& covers, std::optional<bool> inked,
                   const AlignedBox2d& box) const {
     Outlines all;
     for (const int i : covers) {
       if (inked && covers_[i].inked != *inked) continue;
-      for (const auto& outline : covers_[i].region) {
+      const bool shown = inked && *inked && covers_[i].seen;
+      for (const auto& outline : shown ? *covers_[i].seen : covers_[i].region) {
         if (outlines_box({outline}).intersects(box)) all.push_back(outline);
       }
     }
@@ -116,11 +82,10 @@ class Eye {
   }
 
   void look_at(std::size_t index) {
-    if (regions_.size() > kMostRegions) regions_.clear();
+    clips_.forget();
     Paint& paint = paints_[index];
-    AlignedBox2d box = outlines_box(paint.area.outlines);
-    box.extend(bounds_of(paint.strokes));
-    const Shown* clip = paint.clip < 0 ? nullptr : &shown_by(paint.clip);
+    AlignedBox2d box = boxes_[index];
+    const Shown* clip = paint.clip < 0 ? nullptr : &clips_.of(paint.clip);
     // What only touches the clip's edge, as much does the page's, is whole, too.
     const Vector2d edge = Vector2d::Constant(hair_).cwiseMin(0.5 * box.sizes());
     if (clip && !box.isEmpty() &&
@@ -137,21 +102,30 @@ class Eye {
       return;
     }
     merge(over);
-    cover_by(paint, index, clip);
+    cover_by(paint, index, clip, clip || !over.empty());
     const std::vector<int> strokes = compared_ < kMostCompared && !box.isEmpty()
                                          ? covering_.over(box, index)
                                          : std::vector<int>{};
     const bool cut = clip || !over.empty() || !strokes.empty();
     Outlines filled;  // what the clip leaves of the area
-    if (!paint.area.outlines.empty() && (cut || paint.hides)) filled = math_.region(paint.area);
+    const bool hides = paint.hides && box.intersects(beneath_[index]);
+    const bool plain =
+        paint.plain && paint.inked && (cuts_ || colours_.contains(paint.area.colour));
+    if (!paint.area.outlines.empty() && (cut || hides || plain)) filled = math_.region(paint.area);
     const Outlines whole = filled, cover = united(over, {}, box);
     if (clip && !filled.empty()) filled = math_.common(filled, clip->region);
-    if (cut) cut_lines(paint, whole, filled, clip, over, strokes, cover, box);
+    std::optional<Outlines> seen;
+    if (cut) seen = cut_lines(paint, whole, filled, clip, over, strokes, cover, box);
     if (!paint.hides || filled.empty()) return;
-    if (paint.plain && paint.inked)
-      shown_[index] = cover.empty() ? filled : math_.without(filled, cover);
-    if (cover.empty() || !math_.without(filled, cover).empty())
-      covers_.add({std::move(filled), {}, paint.inked || paint.clears, paint.hides_from});
+    Outlines rest = cover.empty() ? filled : math_.without(filled, cover);
+    if (hides && !rest.empty())
+      covers_.add({std::move(filled),
+                   {},
+                   paint.inked || paint.clears,
+                   paint.hides_from,
+                   0,
+                   std::move(seen)});
+    if (plain) shown_[index] = std::move(rest);
   }
 
   // Unites many covers of one place, unless they only lie beside each other.
@@ -167,22 +141,26 @@ class Eye {
       if (members.size() < kMerged) continue;
       AlignedBox2d box;
       for (const int i : members) box.extend(covers_[i].box);
-      Outlines all = united(members, inked, box);
+      Outlines all = united(members, {}, box);
       for (const auto& outline : all) left += outline.size();
       if (left > points / 2) continue;
+      std::optional<Outlines> seen;
+      if (std::any_of(members.begin(), members.end(), [&](int i) { return covers_[i].seen; }))
+        seen = united(members, true, box);
       for (const int i : members) {
         covers_.remove(i);
         std::erase(over, i);
       }
-      over.push_back(covers_.add({std::move(all), {}, inked, 0}));
+      over.push_back(covers_.add({std::move(all), {}, inked, 0, 0, std::move(seen)}));
     }
   }
 
   // `whole`: the paint's area; `filled`: what the clip leaves of it; `cover`: all that lies over
-  // it.
-  void cut_lines(Paint& paint, const Outlines& whole, const Outlines& filled, const Shown* clip,
-                 const std::vector<int>& over, const std::vector<int>& strokes,
-                 const Outlines& cover, const AlignedBox2d& box) {
+  // it. Returns what something white leaves of the area, if there is any.
+  std::optional<Outlines> cut_lines(Paint& paint, const Outlines& whole, const Outlines& filled,
+                                    const Shown* clip, const std::vector<int>& over,
+                                    const std::vector<int>& strokes, const Outlines& cover,
+                                    const AlignedBox2d& box) {
     const RegionIndex hidden(cover);
     std::vector<const RegionIndex*> indices{&hidden};
     if (clip) indices.push_back(&clip->index);
@@ -215,13 +193,15 @@ class Eye {
       const bool many = others.size() > cover.size() + kMostRims;
       draw_rim(line, clip, many ? hidden : hidden_middle, many ? cover : others, paint.strokes);
     }
-    if (!paint.inked || whole.empty()) return;
+    if (!paint.inked || whole.empty()) return {};
 
     const Outlines white = united(over, false, box), inked = united(over, true, box);
     Outlines seen = white.empty() ? filled : math_.without(filled, white);
     std::erase_if(seen, [&](const auto& outline) {  // slivers
       return enclosed_area({outline}) < hair_ * length(outline);
     });
+    std::optional<Outlines> shown;
+    if (!white.empty()) shown = seen;
     // Where a clip or something white cuts the area, it gets a new edge.
     const RegionIndex core(whole), edged(inked);
     const auto is_new = [&](const Spot& spot) { return spot.within(core); };
@@ -254,6 +234,7 @@ class Eye {
       paint.area.outlines = inked.empty() ? std::move(seen) : math_.without(seen, inked);
       paint.area.even_odd = false;
     }
+    return shown;
   }
 
   // The strokes over a paint that are not of the colour, as far as they reach into the box.
@@ -296,9 +277,17 @@ class Eye {
     return left;
   }
 
-  // What the paint's strokes cover hides what lies before, if it is of other colours.
-  void cover_by(const Paint& paint, std::size_t index, const Shown* clip) {
-    if (paint.covers_from > index || compared_ >= kMostCompared) return;
+  // What the paint's strokes cover hides what lies before, if it is of other colours, and edges of
+  // the paint's own.
+  void cover_by(const Paint& paint, std::size_t index, const Shown* clip, bool is_cut) {
+    if (paint.covers_from > index || compared_ >= kMostCompared || paint.strokes.empty()) return;
+    AlignedBox2d reach = boxes_[index];
+    for (const Stroke& stroke : paint.strokes) {
+      is_cut = is_cut || stroke.edge;
+      const Vector2d beside = Vector2d::Constant(kMostReach * stroke.width);
+      reach.extend(AlignedBox2d(boxes_[index].min() - beside, boxes_[index].max() + beside));
+    }
+    if (!is_cut && !reach.intersects(beneath_[index])) return;
     for (const Stroke& stroke : paint.strokes) {
       if (stroke.edge || stroke.dash >= 0 || !(stroke.width > 30 * hair_)) continue;
       if (first_area_ > index && first_other_ >= index && stroke.colour == first_colour_) continue;
@@ -315,6 +304,7 @@ class Eye {
   void drop_seams() {
     std::map<std::uint32_t, Outlines> by_colour;
     for (std::size_t i = 0; i < paints_.size(); ++i) {
+      if (shown_[i].empty()) continue;
       Outlines& all = by_colour[paints_[i].area.colour];
       std::move(shown_[i].begin(), shown_[i].end(), std::back_inserter(all));
     }
@@ -322,11 +312,11 @@ class Eye {
     for (const auto& [colour, region] : by_colour) indices.emplace(colour, region);
     for (Paint& paint : paints_) {
       std::vector<Stroke> kept;
-      for (const Stroke& stroke : paint.strokes) {
+      for (Stroke& stroke : paint.strokes) {
         const auto found = indices.find(stroke.colour);
         if (found == indices.end() || found->second.empty() ||
             !(stroke.edge ? paint.plain : paint.plain_strokes)) {
-          kept.push_back(stroke);
+          kept.push_back(std::move(stroke));
           continue;
         }
         const double side = stroke.edge ? kSeam * hair_ : stroke.width / 2 + kSeam * hair_;
@@ -458,9 +448,9 @@ class Eye {
   }
 
   std::vector<Paint>& paints_;
-  const std::vector<Clip>& clips_;
   std::vector<Dash>& dashes_;
   RegionMath math_;
+  ClipRegions clips_;
   double hair_;      // half the width of a border [mm]
   double touch_;     // longest part of a tangent to an arc that lies in the border [mm]
   double crossing_;  // longest part beneath a stroke that merely crosses it [mm]
@@ -470,7 +460,9 @@ class Eye {
   std::size_t offset_ = 0, compared_ = 0;           // points of strokes
   std::size_t first_area_ = -1, first_other_ = -1;  // paints with ink, and with a second colour
   std::uint32_t first_colour_ = 0;
-  std::map<int, Shown> regions_;  // of clips
+  std::vector<AlignedBox2d> boxes_, beneath_;  // of each paint, and of all before it
+  std::set<std::uint32_t> colours_;            // of strokes
+  bool cuts_ = false;                          // something may give an area a new edge
   mutable double hidden_ = 0;
 };
 

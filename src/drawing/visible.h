@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "impedraw/drawing/clip_regions.h"
 #include "impedraw/drawing/regions.h"
 #include "impedraw/drawing/stroke.h"
 
@@ -30,19 +31,6 @@ struct Paint {
   bool round = false;                         // the strokes' caps are
   std::size_t covers_from = -1;  // the strokes hide the paints from there on, before this one
   int clip = -1;                 // that cuts it; −1: none
-};
-
-// A clip shows the union of its shapes. A mask is painted with its shapes in order, over black, and
-// shows what is lighter than one half.
-struct ClipShape {
-  Area area = {};
-  int clip = -1;
-  double value = 1, alpha = 1;  // of a mask: luminance and opacity, 0 to 1
-};
-struct Clip {
-  int parent = -1;  // cuts this clip, and stands before it; −1: none
-  bool mask = false;
-  std::vector<ClipShape> shapes = {};  // their clips stand behind this clip
 };
 
 struct Hidden {

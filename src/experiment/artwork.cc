@@ -25,7 +25,12 @@ Artwork given_artwork(const DrawingSettings& s, const SettingErrors& setting_err
                          "drawing.svg and drawing.text.text are both given; give one of them");
   }
   return setting_errors.locate({"drawing.svg", "drawing.unit"}, [&] {
-    return read_artwork(s.svg, {.visible = s.visible, .layers = s.layers}, s.unit);
+    const bool single = s.text.as == SvgText::single;
+    return read_artwork(s.svg,
+                        {.visible = s.visible,
+                         .layers = s.layers,
+                         .single_font = single ? s.text.font : std::string()},
+                        s.unit);
   });
 }
 

@@ -129,8 +129,9 @@ std::string plan_text(const PlannedDrawing& e) {
   const char* const all = e.artwork.notes.empty()
                               ? "all of it can be drawn\n"
                               : "all strokes can be drawn; the notes tell what the artwork loses\n";
-  std::string text = fmt::format("{}: {} strokes; {} parts to draw\n", e.scenario.name,
-                                 e.plan.requested.size(), e.plan.strokes.size());
+  const std::size_t strokes = e.plan.requested.size(), parts = e.plan.strokes.size();
+  std::string text = fmt::format("{}: {} stroke{}; {} part{} to draw\n", e.scenario.name, strokes,
+                                 strokes == 1 ? "" : "s", parts, parts == 1 ? "" : "s");
   text += size_text(e);
   text += fmt::format("  pen down {:.3f} m on the surface, pen up {:.3f} m\n",
                       e.plan.path.pen_down_length(), tally.pen_up);

@@ -67,6 +67,10 @@ void describe(Fields& f, TextSettings& s) {
           "Height of the capitals, on the canvas if the placement gives no size; null: the text is "
           "fitted as a file is.")
       .for_users();
+  f.choice("as", s.as, {"outline", "single"},
+           "How the text of an SVG is drawn. outline: as the outlines of its fonts' letters; "
+           "single: in single strokes of drawing.text.font.")
+      .for_users();
   f.choice("align", s.align, {"left", "centre", "right"}, "Alignment of the lines.");
   f.field(Limits::line_spacing, s.line_spacing,
           "Distance between baselines, as a multiple of the capitals' height.");

@@ -88,6 +88,19 @@ TEST(Visible, AnAreaShrinksAndItsNewEdgeIsDrawn) {
               280, 1e-3);
 }
 
+// A canton: white stripes on blue reach the canton's border, which is the ground's border there.
+TEST(Visible, WhiteOverTheRimOfAnAreaEdgesWhatLiesBeneathBoth) {
+  const std::string ground = "<rect x='10' y='10' width='80' height='80' fill='red'/>",
+                    canton = "<rect x='10' y='10' width='40' height='40' fill='blue'/>";
+  const auto stripe = [](const char* colour, int y) {
+    return fmt::format("<path d='M10 {}h40v10h-40z' fill='{}'/>", y, colour);
+  };
+  // On the page's side the stripe's end is no line; towards the ground it is the ground's edge.
+  EXPECT_NEAR(inked(ground + canton + stripe("white", 20)), 320 - 10 + 80 + 2 * 40, 1e-3);
+  EXPECT_NEAR(inked(ground + canton + stripe("white", 20) + stripe("green", 20)), 320 + 80 + 80,
+              1e-3);
+}
+
 TEST(Visible, DashesRunOnBehindWhatHidesThem) {
   const Artwork a = painted(
       "<path d='M0 50H100' stroke='black' stroke-dasharray='7 3'/>"

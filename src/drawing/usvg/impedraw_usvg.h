@@ -40,6 +40,9 @@ struct ImpedrawSvgPath {
   double dash_offset;       // like the dashes, in the unit before the transform
   double path_length;       // what the dashes take the path's whole length for; NaN: that length
   double transform[4];      // rows of the 2 × 2 matrix from that unit to millimetres on the page
+  // A letter of a text and a mark on it, in Unicode; 0: none. Its points are where its advance
+  // starts and ends on the baseline, and the first one raised by the height of the capitals.
+  std::uint32_t letter[2];
 };
 
 // A clip path shows the union of its shapes. A mask shows where its shapes, painted in order, are
@@ -69,6 +72,8 @@ struct ImpedrawSvg {
 
 // Never returns null, never throws. Free the result with impedraw_svg_free().
 const ImpedrawSvg* impedraw_svg_read(const std::uint8_t* data, std::size_t size) noexcept;
+// The same, with letters in place of the outlines of text.
+const ImpedrawSvg* impedraw_svg_letters(const std::uint8_t* data, std::size_t size) noexcept;
 // An SVG 1.1 font: no paths; the warnings are a document with a layer glyph-N for each character N
 // that has lines, y up as in fonts; the capitals' height (0: not given); and for each character its
 // number and its advance. In the font's units, px of the document.

@@ -5,6 +5,8 @@
 //! document.rs    text and XML, before usvg
 //! outlines.rs    usvg's tree as paths
 //! paints.rs      colours and gradients
+//! servers.rs     what patterns and gradients draw
+//! texts.rs       fonts and letters
 //! references.rs  what the document refers to and does not hold
 //! font.rs        SVG 1.1 fonts
 //! complaints.rs  usvg's messages
@@ -17,6 +19,8 @@ mod limits;
 mod outlines;
 mod paints;
 mod references;
+mod servers;
+mod texts;
 
 use outlines::{Outlines, SvgClip, SvgPath};
 use std::ffi::{c_char, CString};
@@ -59,7 +63,14 @@ fn read(bytes: &[u8], reader: fn(&[u8]) -> Result<Outlines, String>) -> Result<O
 /// `data` must point to `size` readable bytes.
 #[no_mangle]
 pub unsafe extern "C" fn impedraw_svg_read(data: *const u8, size: usize) -> *const Svg {
-    read_with(data, size, Outlines::read)
+    read_with(data, size, |data| Outlines::read(data, false))
+}
+
+/// # Safety
+/// `data` must point to `size` readable bytes.
+#[no_mangle]
+pub unsafe extern "C" fn impedraw_svg_letters(data: *const u8, size: usize) -> *const Svg {
+    read_with(data, size, |data| Outlines::read(data, true))
 }
 
 /// # Safety

@@ -1,15 +1,15 @@
 //! Converts usvg's tree to paths on the page, in millimetres.
 
-use crate::{complaints, document, dtd, paints, references};
+use crate::{complaints, document, dtd, paints, references, texts};
 use std::collections::HashMap;
 use std::sync::Arc;
 use usvg::tiny_skia_path::{PathBuilder, PathSegment, PathStroker, Point};
-use usvg::{fontdb, BlendMode, ClipPath, Fill, FillRule, Font, FontFamily, FontResolver, Group, ImageHrefResolver, LineCap, Mask, MaskType, Node, Options};
-use usvg::{Opacity, Paint, PaintOrder, Path, Stroke, Text, Transform, Tree};
+use usvg::{fontdb, BlendMode, ClipPath, FillRule, Group, ImageHrefResolver, LineCap, Mask, MaskType, Node, Options};
+use usvg::{Opacity, Paint, PaintOrder, Path, Stroke, Transform, Tree};
 
 const MM_PER_PX: f64 = 25.4 / 96.0;
 const MOST_POINTS: usize = 4_000_000; // nested uses multiply without bound
-const OPAQUE: f32 = 0.5; // what is less opaque hides nothing
+const OPAQUE: f32 = 0.5; // what is not more opaque hides nothing
 const PLAIN: f32 = 0.99; // what is more opaque shows its own colour alone
 
 // Style sheets that no rule of the document overrides. A pen draws no filter, and usvg would drop
@@ -19,39 +19,39 @@ const NO_CLIPS: &str = "* { clip-path: none !important; mask: none !important }"
 const ALL_SHOWN: &str = "* { display: inline !important }";
 // Browsers put markers on lines alone.
 const NO_MARKERS: &str = "rect, circle, ellipse { marker-start: none !important; marker-mid: none !important; marker-end: none !important }";
-const MOST_TILES: usize = 10_000; // of patterns, in all
 
 #[repr(C)]
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct SvgPath {
-    verbs: usize,
-    layer: u32,
-    stroked: u8,
-    filled: u8,
-    caps: u8,
-    even_odd: u8,
-    hides: u8,
-    fill: u32,
-    stroke: u32,
-    width: f64,
-    hides_from: usize,
-    covers: u8,
-    covers_from: usize,
-    plain: u8,
-    clip: u32,
-    shapes: u32,
-    value: f32,
-    alpha: f32,
-    dash_count: usize,
-    dash_offset: f64,
-    path_length: f64,
-    transform: [f64; 4],
+    pub verbs: usize,
+    pub layer: u32,
+    pub stroked: u8,
+    pub filled: u8,
+    pub caps: u8,
+    pub even_odd: u8,
+    pub hides: u8,
+    pub fill: u32,
+    pub stroke: u32,
+    pub width: f64,
+    pub hides_from: usize,
+    pub covers: u8,
+    pub covers_from: usize,
+    pub plain: u8,
+    pub clip: u32,
+    pub shapes: u32,
+    pub value: f32,
+    pub alpha: f32,
+    pub dash_count: usize,
+    pub dash_offset: f64,
+    pub path_length: f64,
+    pub transform: [f64; 4],
+    pub letter: [u32; 2],
 }
 
 #[repr(C)]
 pub struct SvgClip {
-    parent: u32,
-    mask: u8,
+    pub parent: u32,
+    pub mask: u8,
 }
 
 #[derive(Default)]
@@ -68,52 +68,17 @@ pub struct Outlines {
     marked: document::Marked,
     seen: HashMap<String, u32>,     // layers with a path, by their group's id
     clip_numbers: HashMap<(usize, [u32; 6], u32), u32>,
-    groups: Vec<(f32, usize)>,      // that stand open: opacity, and the first path within
+    pub groups: Vec<(f32, usize)>,  // that stand open: opacity, and the first path within
     filters: usize,
     spared: usize,                  // shapes that a filter would hide, as it is missing or empty
     hidden: usize,                  // shapes that are painted and do not show
     patterned: usize,               // painted with a pattern that is left out
-    tiles: usize,                   // of patterns
+    pub tiles: usize,               // of patterns
     unread_masks: usize,            // shapes of masks that are painted with what is not evaluated
     faint: usize,                   // shapes and groups that are partly transparent
-    lost_texts: usize,
+    pub lost_texts: usize,
+    pub fonts: Option<Arc<fontdb::Database>>, // text is put as letters
     too_many: bool,
-}
-
-/// The system's fonts. Each generic family name maps to an installed font.
-fn fonts() -> fontdb::Database {
-    let mut fonts = fontdb::Database::new();
-    fonts.load_system_fonts();
-    let families: Vec<String> = fonts.faces().flat_map(|face| face.families.iter().map(|f| f.0.clone())).collect();
-    let first_of = |wanted: [&str; 4]| {
-        let found = wanted.iter().find(|w| families.iter().any(|f| f == *w));
-        found.map(|w| w.to_string()).or(families.first().cloned())
-    };
-    if let Some(serif) = first_of(["Times New Roman", "Liberation Serif", "DejaVu Serif", "Noto Serif"]) {
-        fonts.set_serif_family(serif);
-    }
-    if let Some(sans) = first_of(["Arial", "Liberation Sans", "DejaVu Sans", "Noto Sans"]) {
-        fonts.set_sans_serif_family(sans);
-    }
-    if let Some(mono) = first_of(["Courier New", "Liberation Mono", "DejaVu Sans Mono", "Noto Sans Mono"]) {
-        fonts.set_monospace_family(mono);
-    }
-    fonts
-}
-
-/// usvg's choice of a font; says so if it is not the one that the document names first.
-fn select_font(font: &Font, fonts: &mut Arc<fontdb::Database>) -> Option<fontdb::ID> {
-    let id = FontResolver::default_font_selector()(font, fonts)?;
-    let generic = matches!(font.families()[0], FontFamily::Serif | FontFamily::SansSerif | FontFamily::Monospace);
-    let wanted = match &font.families()[0] {
-        FontFamily::Named(name) => name.clone(),
-        other => other.to_string(),
-    };
-    let names = &fonts.face(id)?.families;
-    if !generic && names.iter().all(|(name, _)| *name != wanted) {
-        log::warn!(target: "usvg", "the font '{wanted}' is not installed: replaced by '{}'", names[0].0);
-    }
-    Some(id)
 }
 
 /// Paths and texts, and filters, in a group.
@@ -142,7 +107,8 @@ fn stroked_area(path: &Path, stroke: &Stroke, ts: Transform) -> Option<usvg::tin
 }
 
 impl Outlines {
-    pub fn read(data: &[u8]) -> Result<Outlines, String> {
+    /// single: text is put as letters, whose lines the caller draws.
+    pub fn read(data: &[u8], single: bool) -> Result<Outlines, String> {
         complaints::listen();
         let mut outlines = Outlines::default();
         let given = dtd::completed(document::text_of(data)?, &mut outlines.warnings);
@@ -180,10 +146,10 @@ impl Outlines {
             ..Options::default()
         };
         if document::count(&xml, "text") > 0 {
-            let fonts = fonts();
+            let fonts = texts::fonts();
             options.font_family = fonts.family_name(&fontdb::Family::Serif).to_string(); // of text that names none
             options.fontdb = Arc::new(fonts);
-            options.font_resolver.select_font = Box::new(select_font);
+            options.font_resolver.select_font = Box::new(texts::select_font);
         }
         let mut tree_with = |sheets: &[&str]| {
             options.style_sheet = Some(sheets.concat());
@@ -196,6 +162,7 @@ impl Outlines {
         };
         let tree = tree_with(&[NO_FILTERS, NO_MARKERS])?;
         outlines.size = (tree.size().width() as f64 * MM_PER_PX, tree.size().height() as f64 * MM_PER_PX);
+        outlines.fonts = single.then(|| tree.fontdb().clone());
         outlines.add_group(tree.root(), Transform::identity(), None, 0);
         if outlines.too_many {
             return Err(format!("more than {MOST_POINTS} points, all uses counted"));
@@ -245,7 +212,7 @@ impl Outlines {
 
     /// around: the transform of the parent; layer: the id of the enclosing top-level group; clip: what
     /// clips the group, 0 if nothing does.
-    fn add_group<'a>(&mut self, group: &'a Group, around: Transform, layer: Option<&'a str>, clip: u32) {
+    pub fn add_group<'a>(&mut self, group: &'a Group, around: Transform, layer: Option<&'a str>, clip: u32) {
         if group.opacity().get() == 0.0 {
             self.hidden += contents(group).0;
             return;
@@ -265,16 +232,6 @@ impl Outlines {
             }
         }
         self.groups.pop();
-    }
-
-    fn add_text<'a>(&mut self, text: &'a Text, ts: Transform, layer: Option<&'a str>, clip: u32) {
-        let before = self.paths.len();
-        self.add_group(text.flattened(), ts, layer, clip);
-        let shown = text.chunks().iter().any(|chunk| {
-            let draws = |span: &usvg::TextSpan| span.is_visible() && (span.fill().is_some() || span.stroke().is_some());
-            chunk.text().chars().any(|c| !c.is_whitespace()) && chunk.spans().iter().any(draws)
-        });
-        self.lost_texts += (shown && self.paths.len() == before) as usize;
     }
 
     fn clip_of_group(&mut self, group: &Group, ts: Transform, clip: u32) -> u32 {
@@ -379,19 +336,19 @@ impl Outlines {
     /// lies before them. None: it hides nothing.
     fn hides_from(&self, opacity: f32) -> Option<usize> {
         let mut opacity = opacity;
-        if opacity < OPAQUE {
+        if opacity <= OPAQUE {
             return None;
         }
         for (of_group, first) in self.groups.iter().rev() {
             opacity *= of_group;
-            if opacity < OPAQUE {
+            if opacity <= OPAQUE {
                 return Some(*first);
             }
         }
         Some(0)
     }
 
-    fn layer_index(&mut self, id: Option<&str>) -> u32 {
+    pub fn layer_index(&mut self, id: Option<&str>) -> u32 {
         let id = id.unwrap_or(""); // in no group
         if let Some(index) = self.seen.get(id) {
             return *index;
@@ -400,58 +357,6 @@ impl Outlines {
         self.layers.push(self.marked.layers.get(id).map_or("page", String::as_str).to_string());
         self.seen.insert(id.to_string(), index);
         index
-    }
-
-    /// Puts the tiles of a pattern into the path's area. False: the area has too many.
-    fn add_tiles(&mut self, path: &Path, fill: &Fill, ts: Transform, layer: Option<&str>, clip: u32) -> bool {
-        let Paint::Pattern(pattern) = fill.paint() else { return false };
-        let (rect, to_shape) = (pattern.rect(), pattern.transform());
-        let Some(area) = to_shape.invert().and_then(|back| path.data().bounds().transform(back)) else { return false };
-        let first = |low: f32, from: f32, size: f32| ((low - from) / size).floor();
-        let (columns, rows) = (
-            first(area.left(), rect.x(), rect.width())..=first(area.right(), rect.x(), rect.width()),
-            first(area.top(), rect.y(), rect.height())..=first(area.bottom(), rect.y(), rect.height()),
-        );
-        let count = (columns.end() - columns.start() + 1.0) * (rows.end() - rows.start() + 1.0);
-        if count.is_nan() || count > (MOST_TILES - self.tiles) as f32 {
-            return false;
-        }
-        self.tiles += count as usize;
-        self.clips.push(SvgClip { parent: clip, mask: 0 });
-        let shape = self.clips.len() as u32;
-        let even_odd = (fill.rule() == FillRule::EvenOdd) as u8;
-        self.put(path.data(), ts, SvgPath { shapes: shape, filled: 1, even_odd, value: 1.0, alpha: 1.0, ..SvgPath::default() });
-        let Some(tile) = usvg::tiny_skia_path::Rect::from_xywh(0.0, 0.0, rect.width(), rect.height()).map(PathBuilder::from_rect) else { return false };
-        self.groups.push((fill.opacity().get(), self.paths.len()));
-        for row in *rows.start() as i32..=*rows.end() as i32 {
-            for column in *columns.start() as i32..=*columns.end() as i32 {
-                let (x, y) = (rect.x() + column as f32 * rect.width(), rect.y() + row as f32 * rect.height());
-                let ts = ts.pre_concat(to_shape).pre_translate(x, y);
-                self.clips.push(SvgClip { parent: shape, mask: 0 });
-                let number = self.clips.len() as u32;
-                self.put(&tile, ts, SvgPath { shapes: number, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() });
-                self.add_group(pattern.root(), ts, layer, number);
-            }
-        }
-        self.groups.pop();
-        true
-    }
-
-    /// A gradient hides its shape's edge where it is as good as white or clear.
-    fn add_clear_bands(&mut self, path: &Path, fill: &Fill, ts: Transform, layer: u32, clip: u32, hides_from: usize) {
-        let unseen = |light: f32, opacity: f32| light > paints::LIGHT || opacity * fill.opacity().get() < 1.0 - paints::LIGHT;
-        let Some((bands, to_shape)) = paints::bands(fill.paint(), path.data().bounds()) else { return };
-        let mut clear = PathBuilder::new(); // where two of them meet, an edge would lie inside neither
-        for band in bands.iter().filter(|band| unseen(band.luminance, band.opacity)) {
-            clear.push_path(&band.area);
-        }
-        let Some(clear) = clear.finish() else { return };
-        self.clips.push(SvgClip { parent: clip, mask: 0 });
-        let shape = self.clips.len() as u32;
-        let even_odd = (fill.rule() == FillRule::EvenOdd) as u8;
-        self.put(path.data(), ts, SvgPath { shapes: shape, filled: 1, even_odd, value: 1.0, alpha: 1.0, ..SvgPath::default() });
-        let area = SvgPath { layer, clip: shape, filled: 1, even_odd: 1, fill: 0xffffff, hides: 3, hides_from, ..SvgPath::default() };
-        self.put(&clear, ts.pre_concat(to_shape), area);
     }
 
     fn add_path(&mut self, path: &Path, ts: Transform, given_layer: Option<&str>, clip: u32) {
@@ -515,17 +420,18 @@ impl Outlines {
         if path.paint_order() == PaintOrder::StrokeAndFill {
             both.reverse();
         }
-        let index = self.paths.len();
+        let (index, whole) = (self.paths.len(), both[0].1.clone());
         for (data, path) in both {
             self.put(&data, ts, path);
         }
         if let Some(fill) = fill.filter(|_| stroke.is_none()) {
+            self.add_parts(path, fill, ts, whole);
             self.add_clear_bands(path, fill, ts, layer, clip, index);
         }
     }
 
     /// Adds a path with its verbs and points, which it counts.
-    fn put(&mut self, data: &usvg::tiny_skia_path::Path, ts: Transform, path: SvgPath) {
+    pub fn put(&mut self, data: &usvg::tiny_skia_path::Path, ts: Transform, path: SvgPath) {
         self.too_many |= self.points.len() / 2 + data.points().len() > MOST_POINTS;
         if self.too_many {
             return;

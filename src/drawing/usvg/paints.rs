@@ -7,6 +7,8 @@ const WHITE: u32 = 250; // least red, green and blue of white
 pub const LIGHT: f32 = 0.965; // what is lighter is as good as white
 const MOST_PERIODS: f32 = 64.0; // of a gradient that repeats
 const FINEST: f32 = 1.0 / 16.0; // change of light or opacity within a band
+const BESIDE: f32 = 1e-4; // of a gradient's length, on either side of a leap
+const LEAP: f32 = 40.0; // change of a channel, of 255, that makes a line
 const BEND: usize = 64; // parts of a ramp in which a threshold is looked for
 
 fn stops(paint: &Paint) -> Option<&[Stop]> {
@@ -57,18 +59,23 @@ pub struct Band {
     pub area: Path, // even-odd, in the gradient's own unit
     pub luminance: f32,
     pub opacity: f32,
+    pub colour: u32, // on white, 0xRRGGBB
 }
 
-/// Luminance and opacity at t along the gradient.
-fn at(stops: &[Stop], t: f32) -> [f32; 2] {
-    let of = |s: &Stop| [luminance(s.color()), s.opacity().get()];
+/// Luminance and opacity at t along the gradient, and its colour on white.
+fn at(stops: &[Stop], t: f32) -> [f32; 5] {
+    let of = |s: &Stop| {
+        let (c, alpha) = (s.color(), s.opacity().get());
+        let on_white = |channel: u8| 255.0 - alpha * (255.0 - channel as f32);
+        [luminance(c), alpha, on_white(c.red), on_white(c.green), on_white(c.blue)]
+    };
     let next = stops.iter().position(|s| s.offset().get() > t).unwrap_or(stops.len());
     if next == 0 || next == stops.len() {
         return of(&stops[next.saturating_sub(1)]);
     }
     let (a, b) = (&stops[next - 1], &stops[next]);
     let share = (t - a.offset().get()) / (b.offset().get() - a.offset().get());
-    [0, 1].map(|k| of(a)[k] + share * (of(b)[k] - of(a)[k]))
+    [0, 1, 2, 3, 4].map(|k| of(a)[k] + share * (of(b)[k] - of(a)[k]))
 }
 
 /// Where the bands of one period meet, from 0 to 1.
@@ -81,7 +88,7 @@ fn borders(stops: &[Stop]) -> Vec<f32> {
         let (a, b) = (inside(0.0), inside(1.0));
         let parts = ((a[0] - b[0]).abs().max((a[1] - b[1]).abs()) / FINEST).ceil();
         all.extend((1..parts as usize).map(|i| from + (to - from) * i as f32 / parts));
-        for measure in [|v: [f32; 2]| v[0], |v: [f32; 2]| v[1], |v: [f32; 2]| v[0] * v[1]] {
+        for measure in [|v: [f32; 5]| v[0], |v: [f32; 5]| v[1], |v: [f32; 5]| v[0] * v[1]] {
             let above = |s: f32| measure(inside(s)) > 0.5;
             for i in 0..BEND {
                 let (mut low, mut high) = (i as f32 / BEND as f32, (i + 1) as f32 / BEND as f32);
@@ -105,6 +112,15 @@ fn borders(stops: &[Stop]) -> Vec<f32> {
 /// The bands that reach into `box_`, which is in the unit of the painted shape, and the transform from
 /// their unit to that one. None: not a gradient, or one that is not to be taken apart.
 pub fn bands(paint: &Paint, box_: Rect) -> Option<(Vec<Band>, Transform)> {
+    cut(paint, box_, false)
+}
+
+/// The same, cut only where the colour leaps.
+pub fn parts(paint: &Paint, box_: Rect) -> Option<(Vec<Band>, Transform)> {
+    cut(paint, box_, true)
+}
+
+fn cut(paint: &Paint, box_: Rect, at_leaps: bool) -> Option<(Vec<Band>, Transform)> {
     let gradient = gradient(paint)?;
     let back = gradient.transform().invert()?;
     let mut corners = [(box_.left(), box_.top()), (box_.right(), box_.top()), (box_.left(), box_.bottom()), (box_.right(), box_.bottom())]
@@ -165,22 +181,32 @@ pub fn bands(paint: &Paint, box_: Rect) -> Option<(Vec<Band>, Transform)> {
         ends.extend(own.iter().map(|t| k + t).filter(|t| *t > from && *t < to));
     }
     ends.push(to);
+    let seen_at = |t: f32| {
+        let within = match gradient.spread_method() {
+            SpreadMethod::Pad => t,
+            _ if mirrors(t.floor()) => 1.0 - t.rem_euclid(1.0),
+            _ => t.rem_euclid(1.0),
+        };
+        at(gradient.stops(), within)
+    };
+    if at_leaps {
+        ends.retain(|t| {
+            let (before, after) = (seen_at(t - BESIDE), seen_at(t + BESIDE));
+            *t == from || *t == to || (2..5).any(|k| (before[k] - after[k]).abs() > LEAP)
+        });
+        ends.dedup_by(|a, b| *a - *b < 2.0 * BESIDE);
+    }
     let mut all = Vec::new();
     for pair in ends.windows(2).filter(|pair| pair[1] > pair[0]) {
-        let middle = (pair[0] + pair[1]) / 2.0;
-        let t = match gradient.spread_method() {
-            SpreadMethod::Pad => middle,
-            _ if mirrors(middle.floor()) => 1.0 - middle.rem_euclid(1.0),
-            _ => middle.rem_euclid(1.0),
-        };
         let mut area = PathBuilder::new();
         let outer = if pair[1] == to { Some(PathBuilder::from_rect(around)) } else { before(pair[1]) };
         let inner = if pair[0] == from { None } else { before(pair[0]) };
         for part in [outer, inner].into_iter().flatten() {
             area.push_path(&part);
         }
-        let [luminance, opacity] = at(gradient.stops(), t);
-        all.extend(area.finish().map(|area| Band { area, luminance, opacity }));
+        let [luminance, opacity, rgb @ ..] = seen_at((pair[0] + pair[1]) / 2.0);
+        let colour = rgb.iter().fold(0, |packed, channel| packed << 8 | channel.round() as u32);
+        all.extend(area.finish().map(|area| Band { area, luminance, opacity, colour }));
     }
     Some((all, gradient.transform()))
 }

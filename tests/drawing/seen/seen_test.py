@@ -30,6 +30,7 @@ KINDS = {
     "mask": "<mask id='m'><rect width='100' height='100' fill='white'/><circle cx='50' cy='50' r='20'/></mask>"
     "<g mask='url(#m)'>" + RECT + " fill='#484'/>" + LINES + "</g>",
     "white over lines": LINES + "<circle cx='50' cy='50' r='25' fill='white'/>",
+    "white over a border": RECT + " fill='#68b'/><path d='M15 15h40v40h-40z' fill='#016'/><path d='M25 15l30 30v8L15 20v-5zM40 15h6v40h-6z' fill='white'/>",
     "paint order": LINES + RECT + " fill='#ddf' stroke='navy' stroke-width='8' paint-order='stroke'/>",
     "dashes": "<path d='M10 30H90' stroke='black' stroke-width='3' stroke-dasharray='12 5 3'/>"
     "<path d='M10 65H90' stroke='black' pathLength='9' stroke-dasharray='1 2'/>",

@@ -1,0 +1,79 @@
+//! What a pattern or a gradient draws.
+
+use crate::outlines::{Outlines, SvgClip, SvgPath};
+use crate::paints;
+use usvg::tiny_skia_path::PathBuilder;
+use usvg::{Fill, FillRule, Paint, Path, Transform};
+
+const MOST_TILES: usize = 10_000; // of patterns, in all
+
+impl Outlines {
+    /// Puts the tiles of a pattern into the path's area. False: the area has too many.
+    pub fn add_tiles(&mut self, path: &Path, fill: &Fill, ts: Transform, layer: Option<&str>, clip: u32) -> bool {
+        let Paint::Pattern(pattern) = fill.paint() else { return false };
+        let (rect, to_shape) = (pattern.rect(), pattern.transform());
+        let Some(area) = to_shape.invert().and_then(|back| path.data().bounds().transform(back)) else { return false };
+        let first = |low: f32, from: f32, size: f32| ((low - from) / size).floor();
+        let (columns, rows) = (
+            first(area.left(), rect.x(), rect.width())..=first(area.right(), rect.x(), rect.width()),
+            first(area.top(), rect.y(), rect.height())..=first(area.bottom(), rect.y(), rect.height()),
+        );
+        let count = (columns.end() - columns.start() + 1.0) * (rows.end() - rows.start() + 1.0);
+        if count.is_nan() || count > (MOST_TILES - self.tiles) as f32 {
+            return false;
+        }
+        self.tiles += count as usize;
+        let shape = self.add_own_clip(path, fill, ts, clip);
+        let Some(tile) = usvg::tiny_skia_path::Rect::from_xywh(0.0, 0.0, rect.width(), rect.height()).map(PathBuilder::from_rect) else { return false };
+        self.groups.push((fill.opacity().get(), self.paths.len()));
+        for row in *rows.start() as i32..=*rows.end() as i32 {
+            for column in *columns.start() as i32..=*columns.end() as i32 {
+                let (x, y) = (rect.x() + column as f32 * rect.width(), rect.y() + row as f32 * rect.height());
+                let ts = ts.pre_concat(to_shape).pre_translate(x, y);
+                self.clips.push(SvgClip { parent: shape, mask: 0 });
+                let number = self.clips.len() as u32;
+                self.put(&tile, ts, SvgPath { shapes: number, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() });
+                self.add_group(pattern.root(), ts, layer, number);
+            }
+        }
+        self.groups.pop();
+        true
+    }
+
+    /// A gradient hides its shape's edge where it is as good as white or clear.
+    pub fn add_clear_bands(&mut self, path: &Path, fill: &Fill, ts: Transform, layer: u32, clip: u32, hides_from: usize) {
+        let unseen = |light: f32, opacity: f32| light > paints::LIGHT || opacity * fill.opacity().get() < 1.0 - paints::LIGHT;
+        let Some((bands, to_shape)) = paints::bands(fill.paint(), path.data().bounds()) else { return };
+        let mut clear = PathBuilder::new(); // where two of them meet, an edge would lie inside neither
+        for band in bands.iter().filter(|band| unseen(band.luminance, band.opacity)) {
+            clear.push_path(&band.area);
+        }
+        let Some(clear) = clear.finish() else { return };
+        let shape = self.add_own_clip(path, fill, ts, clip);
+        let area = SvgPath { layer, clip: shape, filled: 1, even_odd: 1, fill: 0xffffff, hides: 3, hides_from, ..SvgPath::default() };
+        self.put(&clear, ts.pre_concat(to_shape), area);
+    }
+
+    /// A clip of the area that the path fills.
+    fn add_own_clip(&mut self, path: &Path, fill: &Fill, ts: Transform, clip: u32) -> u32 {
+        self.clips.push(SvgClip { parent: clip, mask: 0 });
+        let shape = self.clips.len() as u32;
+        let even_odd = (fill.rule() == FillRule::EvenOdd) as u8;
+        self.put(path.data(), ts, SvgPath { shapes: shape, filled: 1, even_odd, value: 1.0, alpha: 1.0, ..SvgPath::default() });
+        shape
+    }
+
+    /// Where a gradient's colour leaps, its parts are areas of their own, which hide the whole one.
+    pub fn add_parts(&mut self, path: &Path, fill: &Fill, ts: Transform, whole: SvgPath) {
+        let Some((parts, to_shape)) = paints::parts(fill.paint(), path.data().bounds()) else { return };
+        if parts.len() < 2 {
+            return;
+        }
+        let hides_from = if whole.hides > 0 { whole.hides_from } else { self.paths.len() - 1 };
+        let shape = self.add_own_clip(path, fill, ts, whole.clip);
+        for part in parts {
+            let area = SvgPath { layer: whole.layer, clip: shape, filled: 1, even_odd: 1, fill: part.colour, hides: 1, hides_from, ..SvgPath::default() };
+            self.put(&part.area, ts.pre_concat(to_shape), area);
+        }
+    }
+}
