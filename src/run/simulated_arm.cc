@@ -22,6 +22,7 @@ SimulatedArm::SimulatedArm(Prepared& e, const JointVector& start_q, Disturbances
       world_(*e.truth.world),
       canvas_(*e.truth.canvas),
       arm_(e.belief.arm),
+      camera_corrections_(e.belief.camera_corrections),
       start_q_(start_q),
       joint_names_(e.belief.arm.joint_names()),
       dt_(e.scenario.world.dt),
@@ -49,7 +50,9 @@ void SimulatedArm::start() {
   if (has_sensor(source_)) sensor_.emplace(sensor_settings_, dt_, seed_);
   if (!joint_sensor_settings_.exact())
     joint_sensor_.emplace(joint_sensor_settings_, world_.joints(), dt_, ~seed_);
-  if (scenario_.perception.frames.enabled) cameras_.emplace(scenario_, world_, canvas_, arm_);
+  const PerceptionSettings& p = scenario_.perception;
+  if (p.frames.enabled && p.source != PerceptionSource::capture)
+    cameras_.emplace(scenario_, world_, canvas_, arm_, camera_corrections_);
   state_ = ArmState(world_.joints());
   truth_ = GroundTruth();
   tip_wrench_.setZero();

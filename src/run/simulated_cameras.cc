@@ -6,36 +6,29 @@
 #include <span>
 #include <utility>
 
-#include "impedraw/experiment/snapshot.h"
-
 namespace impedraw {
 
 namespace {
 
 constexpr std::size_t kMostComing = 4096;
-constexpr double kSkin = 5e-3;  // what is hit this close before a mark is the mark itself [m]
 
 }  // namespace
 
 SimulatedCameras::SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas,
-                                   const ArmModel& arm, int threads)
+                                   const ArmModel& arm, const std::vector<Pose>& corrections,
+                                   int threads)
     : world_(world),
       canvas_(canvas),
       arm_(arm),
-      noise_(scenario.perception.noise),
-      depth_scale_(1.0 + scenario.perception.errors.depth_scale),
       time_stamp_(scenario.perception.errors.time_stamp),
       frames_(scenario.perception.frames),
       fiducials_(scenario.perception.fiducials) {
   for (std::size_t i = 0; i < scenario.perception.cameras.size(); ++i) {
-    const CameraSettings& c = scenario.perception.cameras[i];
-    const DepthCamera believed = {frames_.width, frames_.height, c.fov_y_deg,
-                                  look_at(c.p_WC, c.target_W)};
-    const std::uint64_t seed = camera_seed(scenario, i);
-    cameras_.push_back({believed, true_camera(believed, scenario.perception.errors, seed), 0, seed,
-                        SeededNormals(seed ^ 0x6672616d65)});
+    SimulatedCamera camera(scenario, i, frames_.width, frames_.height);
+    if (i < corrections.size()) camera.correct(corrections[i]);
+    const std::uint64_t seed = camera.seed();
+    cameras_.push_back({std::move(camera), 0, SeededNormals(seed ^ 0x6672616d65)});
   }
-  for (const Camera& camera : cameras_) validate(camera.actual);
   coming_.reserve(kMostComing);
   unused_.reserve(kMostComing);
   if (threads == 0) threads = std::thread::hardware_concurrency() > 1 ? 2 : 1;
@@ -48,22 +41,6 @@ SimulatedCameras::~SimulatedCameras() {
   ++posted_;
   posted_.notify_one();
   second_.join();
-}
-
-bool SimulatedCameras::sees(const DepthCamera& camera, const Eigen::Vector3d& p_W,
-                            const Pose& X_WK) const noexcept {
-  const Eigen::Vector3d p_C = camera.X_WC.inverse() * p_W;
-  if (p_C.z() <= 0.0) return false;
-  const double f = camera.focal_length();
-  if (std::abs(p_C.x() / p_C.z()) * f > 0.5 * camera.width ||
-      std::abs(p_C.y() / p_C.z()) * f > 0.5 * camera.height)
-    return false;
-  const Eigen::Vector3d way = p_W - camera.X_WC.p;
-  const double distance = way.norm();
-  const Eigen::Vector3d direction = way / distance;
-  if (world_.ray_to_arm(camera.X_WC.p, direction) < distance - kSkin) return false;
-  const auto hit = canvas_.ray(X_WK.inverse() * camera.X_WC.p, X_WK.R.transpose() * direction);
-  return !hit || hit->t > distance - kSkin;
 }
 
 SimulatedCameras::Coming* SimulatedCameras::unused() {
@@ -85,14 +62,13 @@ void SimulatedCameras::capture(int number, double time, bool lost) noexcept {
   // Drawn for each frame, also of those that are lost, so that one does not change the next.
   const double late = frames_.latency + frames_.latency_jitter * camera.noise.next();
   const bool dropped = std::erfc(-camera.noise.next() / std::sqrt(2.0)) / 2.0 < frames_.drop;
-  const Pose error = camera.believed.X_WC * camera.actual.X_WC.inverse();
   for (std::size_t i = 0; i < fiducials_.points.size() && i < CanvasFrame::kMostMarks; ++i) {
     Eigen::Vector3d noise;
     for (int k = 0; k < 3; ++k) noise[k] = fiducials_.noise * camera.noise.next();
     const Eigen::Vector3d p_W = X_WK * fiducials_.points[i].p_K;
-    if (!sees(camera.actual, p_W, X_WK)) continue;
+    if (!camera.camera.sees(p_W, world_, canvas_, X_WK)) continue;
     frame.marks[static_cast<std::size_t>(frame.count++)] = {static_cast<int>(i),
-                                                            error * p_W + noise};
+                                                            camera.camera.found_at(p_W) + noise};
   }
   if (dropped || lost || coming_.size() == kMostComing) return;
   Coming* const coming = unused();
@@ -105,7 +81,7 @@ void SimulatedCameras::capture(int number, double time, bool lost) noexcept {
       [](double arrives, const Coming* other) { return arrives < other->arrives; });
   coming_.insert(at, coming);
   if (!coming->has_depth) return;
-  coming->seed = camera.seed + (camera.exposed << 20);
+  coming->seed = camera.camera.seed() + (camera.exposed << 20);
   coming->X_WK = X_WK;
   world_.copy_body(&coming->body);
   coming->arm.clear();
@@ -121,7 +97,7 @@ void SimulatedCameras::render_if_waiting(Coming* coming) const noexcept {
   int expected = Coming::waiting;
   if (!coming->stage.compare_exchange_strong(expected, Coming::begun, std::memory_order_acq_rel))
     return;
-  const DepthCamera& camera = cameras_[static_cast<std::size_t>(coming->frame.camera)].actual;
+  const SimulatedCamera& camera = cameras_[static_cast<std::size_t>(coming->frame.camera)].camera;
   const CastRays cast = [this, coming](const Eigen::Vector3d& o_W,
                                        std::span<const Eigen::Vector3d> d_W,
                                        std::span<double> distances) {
@@ -136,12 +112,7 @@ void SimulatedCameras::render_if_waiting(Coming* coming) const noexcept {
     }
     coming->body.cover(o_W, d_W, distances, PosedBody::Rays::finite);
   };
-  const PixelBox part = frames_.region_of_interest
-                            ? pixels_of(camera, canvas_.bounds(), coming->X_WK)
-                            : PixelBox{0, 0, camera.width, camera.height};
-  render_depth(camera, cast, noise_, coming->seed, part, &coming->image);
-  if (depth_scale_ != 1.0)
-    for (double& depth : coming->image.depth) depth *= depth_scale_;
+  camera.render(cast, coming->seed, camera.part(canvas_.bounds(), coming->X_WK), &coming->image);
   coming->stage.store(Coming::done, std::memory_order_release);
   coming->stage.notify_all();
 }
@@ -184,7 +155,7 @@ bool SimulatedCameras::next(double time, CanvasFrame* frame) noexcept {
   while (given_->stage.load(std::memory_order_acquire) == Coming::begun)
     given_->stage.wait(Coming::begun, std::memory_order_acquire);
   frame->depth = &given_->image;
-  frame->camera_model = &cameras_[static_cast<std::size_t>(frame->camera)].believed;
+  frame->camera_model = &cameras_[static_cast<std::size_t>(frame->camera)].camera.believed();
   frame->arm = given_->arm;
   return true;
 }

@@ -7,8 +7,8 @@
 // each pixel on the canvas, or on the arm before it.
 //
 // A second thread renders the depths between exposure and arrival; what it has not begun by then,
-// this one does. The images are the same with any number of threads, and with or without
-// frames.region_of_interest, which leaves out rays that cannot meet the canvas.
+// this one does. The images are the same with any number of threads. Rays that cannot meet the
+// canvas are left out.
 #pragma once
 
 #include <atomic>
@@ -21,18 +21,18 @@
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/exchange.h"
 #include "impedraw/common/seeded_normals.h"
-#include "impedraw/experiment/scenario.h"
+#include "impedraw/experiment/simulated_camera.h"
 #include "impedraw/perception/canvas_tracker.h"
-#include "impedraw/perception/depth_camera.h"
 #include "impedraw/simulation/world.h"
 
 namespace impedraw {
 
 class SimulatedCameras {
  public:
-  // Refers to world and canvas. threads: 1 or 2; 0: 2, where the machine has as many.
+  // Refers to world and canvas. corrections: Belief's, of the cameras. threads: 1 or 2; 0: 2, where
+  // the machine has as many.
   SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas,
-                   const ArmModel& arm, int threads = 0);
+                   const ArmModel& arm, const std::vector<Pose>& corrections, int threads = 0);
   ~SimulatedCameras();
   SimulatedCameras(const SimulatedCameras&) = delete;
   SimulatedCameras& operator=(const SimulatedCameras&) = delete;
@@ -45,9 +45,8 @@ class SimulatedCameras {
 
  private:
   struct Camera {
-    DepthCamera believed, actual;
+    SimulatedCamera camera;
     std::uint64_t exposed = 0;  // frames
-    std::uint64_t seed = 0;
     SeededNormals noise;
   };
   // The data that its image needs stay as it was at the exposure.
@@ -66,7 +65,6 @@ class SimulatedCameras {
   };
 
   void capture(int camera, double time, bool lost) noexcept;
-  bool sees(const DepthCamera& camera, const Eigen::Vector3d& p_W, const Pose& X_WK) const noexcept;
   Coming* unused();
   void render_if_waiting(Coming* coming) const noexcept;
   void render_what_is_queued() noexcept;  // the second thread
@@ -74,8 +72,7 @@ class SimulatedCameras {
   World& world_;
   const Canvas& canvas_;
   ArmModel arm_;
-  DepthNoise noise_;
-  double depth_scale_, time_stamp_;
+  double time_stamp_;
   FrameSettings frames_;
   FiducialSettings fiducials_;
   std::vector<Camera> cameras_;
