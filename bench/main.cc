@@ -273,8 +273,7 @@ void BM_command(benchmark::State& state) {
 }
 // Three cameras with images of 320 × 240 px.
 void BM_draw_images(benchmark::State& state) {
-  draw(state, "moving-heave",
-       {"perception.frames.depth=true", "perception.frames.region_of_interest=false"});
+  draw(state, "moving-heave", {"perception.frames.depth=true"});
 }
 void BM_draw_images_5_hz(benchmark::State& state) {
   draw(state, "moving-heave", {"perception.frames.depth=true", "perception.frames.depth_every=6"});

@@ -458,8 +458,8 @@ def moving(rows, folder):
         cells = [by_case[f"{motion}-{switch}"] for switch in SWITCHES]
         lines.append(f"| {motion} | " + " | ".join(f"{entry(c)} / {c['contact_fraction']:.3f}" for c in cells) + " |")
     lines += ["", "## Depths in the frames", "",
-              "Each frame of 320 × 240 px also has depths (`perception.frames.depth=true`), in which the surface is found again: in each frame, with every pixel cast "
-              "(30 Hz), or in every sixth with those pixels cast that may see the canvas (5 Hz). The worst of sine and M on two seeds. `./impedraw bench` "
+              "Each frame of 320 × 240 px also has depths (`perception.frames.depth=true`), in which the surface is found again: in each frame (30 Hz), or "
+              "in every sixth (5 Hz). The worst of sine and M on two seeds. `./impedraw bench` "
               "measures what frames cost.", "",
               "| scenario | depths | contact | ink RMS [mm] | ink max [mm] | force SD [N] | tilt mean [deg] | touchdown [N] |", "|---" * 8 + "|"]  # fmt: skip
     for name in MOVING:

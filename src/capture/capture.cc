@@ -133,32 +133,14 @@ void read_distortion(CaptureObject object, Lens* lens, std::vector<std::string>*
   object.note_unknown(notes);
 }
 
-void read_depth(const std::filesystem::path& file, double scale, const CaptureObject& where,
-                CapturedView* view) {
-  const GreyImage image = read_grey_png(file);
-  if (image.width != view->lens.width || image.height != view->lens.height)
-    where.fail(fmt::format("{} has {} × {} px, the view {} × {}", file.filename().string(),
-                           image.width, image.height, view->lens.width, view->lens.height));
-  view->depth.width = image.width;
-  view->depth.height = image.height;
-  view->depth.depth.resize(image.values.size());
-  std::transform(image.values.begin(), image.values.end(), view->depth.depth.begin(),
-                 [scale](std::uint16_t value) {
-                   return value ? value * scale : std::numeric_limits<double>::quiet_NaN();
-                 });
-}
-
 CapturedView read_view(const std::filesystem::path& folder, const CaptureJson& json, int index,
-                       const TipPose& tip_pose, double* pixels, std::vector<std::string>* notes) {
+                       const TipPose& tip_pose, bool played_back, double* pixels,
+                       std::vector<std::string>* notes) {
   CaptureObject object(json,
                        fmt::format("{}: views[{}]", (folder / "capture.json").string(), index));
   CapturedView view;
   view.lens.width = object.whole("width", Lens::Limits::size);
   view.lens.height = object.whole("height", Lens::Limits::size);
-  *pixels += static_cast<double>(view.lens.width) * view.lens.height;
-  if (*pixels > Capture::Limits::pixels)
-    object.fail(fmt::format("the views have more than {:.0f} million pixels, the most that is read",
-                            Capture::Limits::pixels / 1e6));
   view.lens.fx = object.number("fx");
   view.lens.fy = object.number("fy");
   for (const double f : {view.lens.fx, view.lens.fy})
@@ -188,11 +170,24 @@ CapturedView read_view(const std::filesystem::path& folder, const CaptureJson& j
       object.fail(e.what());
     }
   }
-  const std::filesystem::path depth = image_in(folder, object, "depth");
-  view.name = depth.filename().string();
+  view.file = image_in(folder, object, "depth");
+  view.name = view.file.filename().string();
   view.quantum = object.number("depth_scale", 0.001);
   require_in_range(object.where() + ".depth_scale", view.quantum, Range::positive_to(1.0), "m");
-  read_depth(depth, view.quantum, object, &view);
+  if (played_back && view.time.value_or(0.0) > 0.0) {
+    object.has("color");
+    object.note_unknown(notes);
+    return view;
+  }
+  *pixels += static_cast<double>(view.lens.width) * view.lens.height;
+  if (*pixels > Capture::Limits::pixels)
+    object.fail(fmt::format("the views have more than {:.0f} million pixels, the most that is read",
+                            Capture::Limits::pixels / 1e6));
+  try {
+    read_depth(&view);
+  } catch (const InputError& e) {
+    object.fail(e.what());
+  }
   if (object.has("color")) {
     ColourImage image = read_colour_png(image_in(folder, object, "color"));
     if (image.width != view.lens.width || image.height != view.lens.height)
@@ -206,7 +201,22 @@ CapturedView read_view(const std::filesystem::path& folder, const CaptureJson& j
 
 }  // namespace
 
-Capture read_capture(const std::filesystem::path& folder, const TipPose& tip_pose) {
+void read_depth(CapturedView* view) {
+  const GreyImage image = read_grey_png(view->file);
+  if (image.width != view->lens.width || image.height != view->lens.height)
+    throw InputError(fmt::format("{} has {} × {} px, the view {} × {}", view->name, image.width,
+                                 image.height, view->lens.width, view->lens.height));
+  view->depth.width = image.width;
+  view->depth.height = image.height;
+  view->depth.depth.resize(image.values.size());
+  std::transform(image.values.begin(), image.values.end(), view->depth.depth.begin(),
+                 [scale = view->quantum](std::uint16_t value) {
+                   return value ? value * scale : std::numeric_limits<double>::quiet_NaN();
+                 });
+}
+
+Capture read_capture(const std::filesystem::path& folder, const TipPose& tip_pose,
+                     bool played_back) {
   const std::filesystem::path file = folder / "capture.json";
   if (!std::filesystem::is_directory(folder))
     throw InputError(folder.string() + ": is no folder; a capture is a folder with capture.json");
@@ -218,14 +228,20 @@ Capture read_capture(const std::filesystem::path& folder, const TipPose& tip_pos
   if (object.number("version") != 1) object.fail("'version' must be 1");
   const CaptureJson& views = object.value("views");
   if (!views.is_array() || views.empty()) object.fail("'views' must be a list with a view or more");
-  if (views.size() > Capture::Limits::views)
-    object.fail(
-        fmt::format("has {} views, at most {} are read", views.size(), Capture::Limits::views));
+  const int most = played_back ? Capture::Limits::played : Capture::Limits::views;
+  if (views.size() > static_cast<std::size_t>(most))
+    object.fail(fmt::format("has {} views, at most {} are read", views.size(), most));
   Capture capture;
   double pixels = 0;
-  for (std::size_t i = 0; i < views.size(); ++i)
-    capture.views.push_back(
-        read_view(folder, views[i], static_cast<int>(i), tip_pose, &pixels, &capture.notes));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    CapturedView view = read_view(folder, views[i], static_cast<int>(i), tip_pose, played_back,
+                                  &pixels, &capture.notes);
+    (view.depth.depth.empty() ? capture.played : capture.views).push_back(std::move(view));
+  }
+  std::stable_sort(capture.played.begin(), capture.played.end(),
+                   [](const CapturedView& a, const CapturedView& b) { return *a.time < *b.time; });
+  if (capture.views.empty())
+    object.fail("has no view at time 0 or before, which shows the canvas before it moves");
   object.note_unknown(&capture.notes);
   return capture;
 }

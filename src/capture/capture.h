@@ -23,16 +23,19 @@ struct CapturedView {
   double sigma_at_1m = 0.0;       // depth noise [m]; 0: not known
   double quantum = 0.0;           // step of the depth values [m]
   std::optional<double> time;     // [s]
+  std::filesystem::path file;     // of the depths
   DepthImage depth;               // along z of C [m]; NaN: no measurement
   std::vector<std::uint8_t> rgb;  // three bytes a pixel; may be empty
 };
 
 struct Capture {
   std::vector<CapturedView> views;
+  // Of a capture that is played back: views after time 0, in order of time, without their images.
+  std::vector<CapturedView> played;
   std::vector<std::string> notes;  // keys that mean nothing here, one line each
 
   struct Limits {
-    static constexpr int views = 256;
+    static constexpr int views = 256, played = 100000;
     static constexpr double pixels = 2e8;  // of all views
   };
 };
@@ -41,7 +44,11 @@ struct Capture {
 using TipPose = std::function<Pose(const std::vector<double>&)>;
 
 // Throws InputError, one line that names the view and the value, for a folder that is no capture.
-// `tip_pose` places the cameras that are on the tool.
-Capture read_capture(const std::filesystem::path& folder, const TipPose& tip_pose);
+// `tip_pose` places the cameras that are on the tool. played_back: views after time 0 are frames.
+Capture read_capture(const std::filesystem::path& folder, const TipPose& tip_pose,
+                     bool played_back = false);
+
+// Reads the depths of a view. Throws InputError, as above.
+void read_depth(CapturedView* view);
 
 }  // namespace impedraw

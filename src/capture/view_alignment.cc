@@ -24,6 +24,7 @@ using Eigen::VectorXd;
 
 constexpr int kAlignments = 40, kPerReach = 4;
 constexpr double kAligned = 1e-7;     // step at which it ends [m]
+constexpr double kGain = 1.15;        // in the views' agreement, by which a correction is believed
 constexpr double kFacing = 0.7;       // cosine between two normals of one surface
 constexpr double kQueries = 30000.0;  // in one iteration
 constexpr double kRadians = std::numbers::pi / 180.0;
@@ -58,6 +59,7 @@ class Aligning {
   ViewAlignment run() {
     ViewAlignment result;
     result.rms_before = rms(match(settings_.first_reach));
+    const double as_calibrated = typical(match(settings_.last_reach));
     std::vector<Match> matches;
     double reach = settings_.first_reach;
     for (int i = 0; i < kAlignments; ++i) {
@@ -67,6 +69,10 @@ class Aligning {
     }
     matches = match(settings_.last_reach);
     step(matches);
+    if (as_calibrated < kGain * typical(matches)) {
+      T_.assign(views_.size(), Pose());
+      matches = match(settings_.last_reach);
+    }
     for (std::size_t v = 0; v < views_.size(); ++v)
       if (counts_[v] == 0) T_[v] = Pose();  // far matches had moved it
     centre();
@@ -88,6 +94,16 @@ class Aligning {
     double sum = 0.0;
     for (const Match& m : matches) sum += m.r * m.r;
     return matches.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(matches.size()));
+  }
+
+  // Standard deviation of the distances, by their median [m].
+  static double typical(const std::vector<Match>& matches) {
+    if (matches.empty()) return 0.0;
+    std::vector<double> distances;
+    for (const Match& m : matches) distances.push_back(std::abs(m.r));
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    return *middle / 0.6745;
   }
 
   // (displacement of c [m], turn × radius [m])
@@ -158,14 +174,7 @@ class Aligning {
     counts_.assign(n, 0);
     groups_.resize(n);
     for (std::size_t v = 0; v < n; ++v) groups_[v] = static_cast<int>(v);
-    std::vector<double> distances;
-    for (const Match& m : matches) distances.push_back(std::abs(m.r));
-    double scale = 0.0;
-    if (!distances.empty()) {
-      const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-      std::nth_element(distances.begin(), middle, distances.end());
-      scale = std::max(1e-5, *middle / 0.6745);
-    }
+    const double scale = std::max(1e-5, typical(matches));
     for (const Match& m : matches) {
       const double sigma = std::max(scale, std::sqrt(m.variance)), off = std::abs(m.r) / sigma;
       const double w = (off > settings_.huber ? settings_.huber / off : 1.0) / (sigma * sigma);

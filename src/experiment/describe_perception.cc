@@ -70,9 +70,6 @@ void describe(Fields& f, FrameSettings& s) {
   f.field("depth_every", s.depth_every, {1, 1000}, "", "Every how many-th frame carries depths.");
   f.field("grow_surface", s.grow_surface,
           "Depths improve the surface under the pen; off: it stays as the snapshot saw it.");
-  f.field("region_of_interest", s.region_of_interest,
-          "A simulator casts only the rays of a frame that may meet the canvas; off: every pixel. "
-          "The images are the same.");
   f.field("width", s.width, {16, 4096}, "px", "Width of a frame.");
   f.field("height", s.height, {16, 4096}, "px", "Height of a frame.");
 }
@@ -108,6 +105,11 @@ void describe(Fields& f, PerceptionSettings& s) {
   f.field("cameras", s.cameras, "Depth cameras, which take one snapshot before drawing.");
   f.field("noise", s.noise, "Noise of the depth.");
   f.field("errors", s.errors, "Differences of the true cameras from what is believed of them.");
+  f.field(
+      "stereo", s.stereo,
+      "Gives the simulated cameras a stereo camera's faults, of published size: noise that hangs "
+      "together, steps, flying pixels, holes, a bias, and a lens that differs from what is "
+      "believed of it.");
   f.field(Limits::voxel, s.voxel,
           "Side of the cubes in which points are averaged; 0: every point is kept.");
   f.field("adapt", s.adapt,

@@ -378,6 +378,10 @@ SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
     if (!wish.shrink || best.share >= kMost) break;
   }
   SurfacePlace result;
+  if (!(best.share > 0.0)) {  // the given place, whatever the search thinks of it
+    best = {given(), parts.placing.at(given())};
+    best.share = parts.share_of(best.placement, nullptr);
+  }
   if (!(best.share > 0.0)) return result;
   result.scenario = parts.s;
   result.scenario.drawing.placement = best.placement;

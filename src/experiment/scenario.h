@@ -147,6 +147,7 @@ struct PerceptionSettings {
   // For a capture or a cloud: leaves out the table, and what the drawing does not lie on
   // (capture/found_canvas.h).
   bool find_canvas = true;
+  bool stereo = false;  // simulated cameras have a stereo camera's faults (stereo_faults.h)
   double self_padding = 0.01;
   Eigen::Vector3d region_lower{0.25, -0.45, 0.0}, region_upper{1.0, 0.45, 0.60};
   NormalSettings normals;

@@ -145,6 +145,7 @@ const std::vector<std::string> kHowSeen = {"perception.region_lower",
 
 void know_canvas(const Scenario& s, const Canvas& as_set_up, Snapshot snapshot, Belief* belief) {
   belief->perception = std::make_shared<const SurfaceEstimator>(std::move(snapshot.seen));
+  belief->camera_corrections = std::move(snapshot.corrections);
   belief->planning = std::make_shared<const PlanSurface>(
       belief->perception, std::min(s.perception.normals.max_one_sidedness, kEdgeOfPlanning),
       s.preflight.roughest);
@@ -233,6 +234,9 @@ void check_frames(const Scenario& s, const SettingErrors& setting_errors) {
           "perception.frames.enabled: without perception there are no cameras; valid is false, or "
           "perception.enabled true");
     const FrameSettings& frames = s.perception.frames;
+    if (s.perception.source == PerceptionSource::capture && !frames.depth)
+      throw InputError(
+          "perception.frames.depth: the frames of a capture have depths alone; valid is true");
     const double most = BandLimited::kSpan - 2.0 * frames.latency_jitter;
     if (frames.latency > most)
       throw InputError(fmt::format(
@@ -306,7 +310,8 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
                          .surface = {},
                          .obstacle = canvas,
                          .blind = s.blind,
-                         .notes = std::move(notes)},
+                         .notes = std::move(notes),
+                         .camera_corrections = {}},
               .truth = {std::move(canvas), std::move(world)}};
   Belief& belief = scene.belief;
   const Truth& truth = scene.truth;
@@ -318,7 +323,8 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
                                  setting_errors, touching, &belief.notes);
   if (s.perception.enabled && !read)
     setting_errors.locate(kHowSeen, [&] {
-      read.emplace(take_snapshot(s, *truth.canvas, *truth.world, belief.arm, belief.start_q));
+      read.emplace(
+          take_snapshot(s, *truth.canvas, *truth.world, belief.arm, belief.start_q, &belief.notes));
     });
   if (read) know_canvas(s, *truth.canvas, std::move(*read), &belief);
   if (belief.planning)
@@ -363,7 +369,8 @@ std::string made_of(const Scenario& s) {
   // Without noise and errors of the cameras, the snapshot has nothing to draw by lot.
   const DepthNoise& noise = s.perception.noise;
   const bool exact = noise.sigma_at_1m == 0.0 && noise.quantum_at_1m == 0.0 &&
-                     s.perception.errors.shift == 0.0 && s.perception.errors.turn_deg == 0.0;
+                     s.perception.errors.shift == 0.0 && s.perception.errors.turn_deg == 0.0 &&
+                     !s.perception.stereo;
   read.seed = exact || !s.perception.enabled ? 0 : s.seed;
   return settings_yaml(read) + files;
 }

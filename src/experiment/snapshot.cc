@@ -1,6 +1,7 @@
 #include "impedraw/experiment/snapshot.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 
@@ -10,32 +11,14 @@
 #include "impedraw/capture/capture_cloud.h"
 #include "impedraw/capture/found_canvas.h"
 #include "impedraw/common/seeded_normals.h"
+#include "impedraw/experiment/simulated_camera.h"
 #include "impedraw/perception/patch_size.h"
+#include "impedraw/perception/rigid_fit.h"
 
 namespace impedraw {
 
-DepthCamera true_camera(const DepthCamera& believed, const CameraErrors& errors,
-                        std::uint64_t seed) {
-  SeededNormals normals(~seed);
-  const auto direction = [&normals] {
-    const double x = normals.next(), y = normals.next(), z = normals.next();
-    return Eigen::Vector3d(x, y, z).normalized();
-  };
-  DepthCamera camera = believed;
-  camera.X_WC.p += errors.shift * direction();
-  const Eigen::Vector3d axis = direction();
-  if (errors.turn_deg != 0.0)
-    camera.X_WC.R =
-        Eigen::AngleAxisd(errors.turn_deg * std::numbers::pi / 180.0, axis) * camera.X_WC.R;
-  return camera;
-}
-
 // Pixels of all cameras together: 24 bytes a pixel and more, until the cloud is thinned.
 constexpr double most_pixels = 7e7;
-
-std::uint64_t camera_seed(const Scenario& scenario, std::size_t camera) {
-  return static_cast<std::uint64_t>(scenario.seed) * 1000 + camera;
-}
 
 namespace {
 
@@ -64,7 +47,7 @@ CaptureCloud points_of_capture(const PerceptionSettings& p, const CloudSettings&
   const auto shapes = [&](const std::vector<double>& q) {
     return shapes_of(arm, exposure_joints(arm, q));
   };
-  return cloud_of(read_capture(p.capture, tip), settings, shapes, p.align);
+  return cloud_of(read_capture(p.capture, tip, p.frames.enabled), settings, shapes, p.align);
 }
 
 CaptureCloud points_of_file(const PerceptionSettings& p, const CloudSettings& settings) {
@@ -82,8 +65,71 @@ CaptureCloud points_of_file(const PerceptionSettings& p, const CloudSettings& se
   return cloud_of(read_cloud_file(p.cloud), p.cloud.string(), viewpoints, settings);
 }
 
-PointCloud points_of_cameras(const Scenario& s, const CloudSettings& settings, const Canvas& canvas,
-                             const World& world, ArmModel& arm, const JointVector& q) {
+CloudSettings cloud_settings(const PerceptionSettings& p) {
+  CloudSettings settings;
+  settings.voxel = p.voxel;
+  settings.self_padding = p.self_padding;
+  settings.region = Eigen::AlignedBox3d(p.region_lower, p.region_upper);
+  return settings;
+}
+
+// The correction of a camera by the marks, which stand where they are known to before anything has
+// moved; none where they tell nothing beyond their noise.
+Pose correction_by_marks(const SimulatedCamera& camera, const FiducialSettings& marks,
+                         const World& world, const Canvas& canvas) {
+  constexpr int kFrames = 15;                          // which are averaged
+  constexpr double kLeast = 5e-5, kBesideLine = 0.02;  // [m]
+  constexpr double kSure = 8.0;                        // standard deviations of χ²
+  SeededNormals noise(camera.seed() ^ 0x6d61726b73U);
+  const double sigma = std::max(kLeast, marks.noise / std::sqrt(double{kFrames}));
+  std::vector<Eigen::Vector3d> found, known;
+  double off = 0.0;  // χ²
+  for (const Fiducial& mark : marks.points) {
+    Eigen::Vector3d error;
+    for (double& e : error) e = marks.noise / std::sqrt(double{kFrames}) * noise.next();
+    if (!camera.sees(mark.p_K, world, canvas, {})) continue;
+    found.push_back(camera.found_at(mark.p_K) + error);
+    known.push_back(mark.p_K);
+    off += (found.back() - known.back()).squaredNorm() / (sigma * sigma);
+  }
+  const double count = 3.0 * static_cast<double>(found.size());
+  if (found.size() < 3 || spread_beside_line(known) < kBesideLine ||
+      off < count + kSure * std::sqrt(2.0 * count))
+    return {};
+  return fit_rigid(found, known).X_WK;
+}
+
+// Views of the cameras, as a capture has them.
+CaptureCloud as_captured(const std::vector<DepthImage>& images,
+                         const std::vector<DepthCamera>& cameras, const CloudSettings& settings,
+                         const std::vector<Capsule>& arm, bool aligned) {
+  Capture capture;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const DepthCamera& c = cameras[i];
+    CapturedView& view = capture.views.emplace_back();
+    view.name = fmt::format("camera {}", i + 1);
+    view.lens = {c.width,
+                 c.height,
+                 c.focal_length(),
+                 c.focal_length(),
+                 0.5 * (c.width - 1),
+                 0.5 * (c.height - 1)};
+    view.X_WC = c.X_WC;
+    view.joints = {0.0};  // where the arm is now
+    view.depth = images[i];
+  }
+  return cloud_of(
+      std::move(capture), settings, [&arm](const auto&) { return arm; }, aligned);
+}
+
+struct CameraPoints {
+  PointCloud cloud;
+  std::vector<Pose> corrections;
+};
+
+CameraPoints points_of_cameras(const Scenario& s, const Canvas& canvas, const World& world,
+                               ArmModel& arm, const JointVector& q,
+                               std::vector<std::string>* notes) {
   const PerceptionSettings& p = s.perception;
   if (p.cameras.empty())
     throw InputError(
@@ -103,26 +149,35 @@ PointCloud points_of_cameras(const Scenario& s, const CloudSettings& settings, c
     canvas.rays(origin, directions, distances);
     posed.cover(origin, directions, distances, PosedBody::Rays::all);
   };
+  CameraPoints seen;
   std::vector<DepthCamera> cameras;
   std::vector<DepthImage> images;
+  const bool follows = p.frames.enabled && p.canvas_pose == CanvasPoseSource::tracked;
   for (std::size_t i = 0; i < p.cameras.size(); ++i) {
-    const CameraSettings& c = p.cameras[i];
-    cameras.push_back({c.width, c.height, c.fov_y_deg, look_at(c.p_WC, c.target_W)});
-    const std::uint64_t seed = camera_seed(s, i);
-    images.push_back(
-        render_depth(true_camera(cameras.back(), p.errors, seed), cast, p.noise, seed));
-    if (p.errors.depth_scale != 0.0)
-      for (double& depth : images.back().depth) depth *= 1.0 + p.errors.depth_scale;
+    const SimulatedCamera camera(s, i);
+    images.push_back(camera.image(cast));
+    const Pose T = follows ? correction_by_marks(camera, p.fiducials, world, canvas) : Pose();
+    cameras.push_back(camera.believed());
+    if (!T.R.isIdentity(0.0)) {
+      seen.corrections.resize(p.cameras.size());
+      seen.corrections[i] = T;
+      cameras.back().X_WC = T * cameras.back().X_WC;
+      notes->push_back(fmt::format(
+          "camera {}: the marks show that it stands {:.2f} mm and {:.3f}° off, and it is put there",
+          i + 1, 1e3 * (cameras.back().X_WC.p - camera.believed().X_WC.p).norm(),
+          Eigen::AngleAxisd(T.R).angle() * 180.0 / std::numbers::pi));
+    }
   }
-  return back_project(images, cameras, settings, shapes_of(arm, q));
-}
-
-CloudSettings cloud_settings(const PerceptionSettings& p) {
-  CloudSettings settings;
-  settings.voxel = p.voxel;
-  settings.self_padding = p.self_padding;
-  settings.region = Eigen::AlignedBox3d(p.region_lower, p.region_upper);
-  return settings;
+  if (!p.stereo) {
+    seen.cloud = back_project(images, cameras, cloud_settings(p), shapes_of(arm, q));
+    return seen;
+  }
+  CaptureCloud captured = as_captured(images, cameras, cloud_settings(p), shapes_of(arm, q),
+                                      p.align && seen.corrections.empty());
+  notes->insert(notes->end(), captured.notes.begin(), captured.notes.end());
+  seen.cloud = std::move(captured.cloud);
+  for (const AlignedView& view : captured.alignment.views) seen.corrections.push_back(view.T);
+  return seen;
 }
 
 // `where`: what fills which box, for the error.
@@ -141,19 +196,35 @@ SurfaceEstimator estimator_of(const PointCloud& seen, const PerceptionSettings& 
   return SurfaceEstimator(std::move(cloud), p.normals, std::move(finer));
 }
 
+// With normals of as many points as the cloud's noise asks for.
+PerceptionSettings for_noise(const PerceptionSettings& p, const PointCloud& cloud,
+                             std::vector<std::string>* notes) {
+  PerceptionSettings used = p;
+  if (p.adapt && !cloud.points.empty())
+    used.normals.k = calm_patch(thin(cloud, p.voxel), p.normals);
+  if (used.normals.k > p.normals.k)
+    notes->push_back(
+        fmt::format("the points are noisy: a normal is fitted to the {} nearest ones, not to {} "
+                    "(perception.adapt=false keeps perception.normals.k)",
+                    used.normals.k, p.normals.k));
+  return used;
+}
+
 }  // namespace
 
 Snapshot take_snapshot(const Scenario& s, const Canvas& canvas, const World& world, ArmModel& arm,
-                       const JointVector& q) {
+                       const JointVector& q, std::vector<std::string>* notes) {
   const Eigen::AlignedBox3d box = canvas.bounds();
-  return {
-      estimator_of(points_of_cameras(s, cloud_settings(s.perception), canvas, world, arm, q),
-                   s.perception,
-                   fmt::format("; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to "
-                               "{:.2f} m)",
-                               box.min().x(), box.max().x(), box.min().y(), box.max().y(),
-                               box.min().z(), box.max().z())),
-      {}};
+  CameraPoints seen = points_of_cameras(s, canvas, world, arm, q, notes);
+  const PerceptionSettings used =
+      s.perception.stereo ? for_noise(s.perception, seen.cloud, notes) : s.perception;
+  return {estimator_of(seen.cloud, used,
+                       fmt::format("; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} "
+                                   "to {:.2f} m)",
+                                   box.min().x(), box.max().x(), box.min().y(), box.max().y(),
+                                   box.min().z(), box.max().z())),
+          {},
+          std::move(seen.corrections)};
 }
 
 Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, bool placed, ArmModel& arm,
@@ -172,15 +243,10 @@ Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, bool placed, ArmMode
                         read.views);
     notes->insert(notes->end(), found.notes.begin(), found.notes.end());
   }
-  PerceptionSettings used = p;
-  if (p.adapt && !found.canvas.points.empty())
-    used.normals.k = calm_patch(thin(found.canvas, p.voxel), p.normals);
-  if (used.normals.k > p.normals.k)
-    notes->push_back(
-        fmt::format("the points are noisy: a normal is fitted to the {} nearest ones, not to {} "
-                    "(perception.adapt=false keeps perception.normals.k)",
-                    used.normals.k, p.normals.k));
-  return {estimator_of(found.canvas, used, ""), thin(found.beside, p.voxel)};
+  const PerceptionSettings used = for_noise(p, found.canvas, notes);
+  Snapshot snapshot{estimator_of(found.canvas, used, ""), thin(found.beside, p.voxel), {}};
+  for (const AlignedView& view : read.alignment.views) snapshot.corrections.push_back(view.T);
+  return snapshot;
 }
 
 }  // namespace impedraw

@@ -11,22 +11,20 @@
 
 namespace impedraw {
 
-// The camera that takes the images, where points are computed with the one that is believed in; the
-// directions of its errors come from the seed.
-DepthCamera true_camera(const DepthCamera& believed, const CameraErrors& errors,
-                        std::uint64_t seed);
-// The seed of a camera's errors and noise.
-std::uint64_t camera_seed(const Scenario& scenario, std::size_t camera);
-
 struct Snapshot {
   SurfaceEstimator seen;
   PointCloud beside;  // thinned: what find_canvas left out, which the arm must not touch either
+  // Of each camera or view: T X_WC is where it was found to stand. Empty: as it is believed.
+  std::vector<Pose> corrections;
 };
 
-// The cameras' view of the canvas. The arm is at q; its points are removed from the cloud.
-// Throws InputError without cameras, or with too little of the canvas in view.
+// The cameras' view of the canvas. The arm is at q; its points are removed from the cloud. Where
+// frames follow, and the marks are off by more than their noise, each camera is put where they tell
+// that it stands. Images with a stereo camera's faults are treated as a capture's. Appends to
+// `notes` what was found. Throws InputError without cameras, or with too little of the canvas in
+// view.
 Snapshot take_snapshot(const Scenario& scenario, const Canvas& canvas, const World& world,
-                       ArmModel& arm, const JointVector& q);
+                       ArmModel& arm, const JointVector& q, std::vector<std::string>* notes);
 
 // The view in perception.capture or perception.cloud. Appends to `notes` what it gave and what was
 // removed, one line each. `placed`: DrawnAbout's. Throws InputError if it is invalid or shows too

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "impedraw/common/counted_noise.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
 
@@ -18,27 +19,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-// SplitMix64's finaliser: neighbouring counters give unrelated bits.
-std::uint64_t mix(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
-double uniform(std::uint64_t bits) {
-  return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
-}  // in (0, 1)
-
-// Standard normal number for (seed, pixel), by the Box-Muller transform.
-double normal(std::uint64_t seed, std::uint64_t pixel) {
-  const std::uint64_t key = mix(seed) ^ pixel;
-  const double radius = std::sqrt(-2.0 * std::log(uniform(mix(2 * key))));
-  return radius * std::cos(2.0 * std::numbers::pi * uniform(mix(2 * key + 1)));
-}
-
 double disturbed(double depth, const DepthNoise& noise, std::uint64_t seed, std::uint64_t pixel) {
-  if (noise.sigma_at_1m > 0.0) depth += noise.sigma_at_1m * depth * depth * normal(seed, pixel);
+  if (noise.sigma_at_1m > 0.0)
+    depth += noise.sigma_at_1m * depth * depth * counted_normal(seed, pixel);
   if (noise.quantum_at_1m > 0.0)
     depth = 1.0 / (std::round(1.0 / depth / noise.quantum_at_1m) * noise.quantum_at_1m);
   return depth > 0.0 && std::isfinite(depth) ? depth : std::numeric_limits<double>::quiet_NaN();

@@ -29,9 +29,7 @@ struct FrameSettings {
   // Every depth_every-th frame carries depths, in which the canvas's shape is found.
   bool depth = false;
   int depth_every = 1;
-  bool grow_surface = true;  // the surface under the pen improves with the depths
-  // A simulator casts only rays that may meet the canvas; off: every pixel. Changes no image.
-  bool region_of_interest = true;
+  bool grow_surface = true;       // the surface under the pen improves with the depths
   int width = 320, height = 240;  // of a frame; the snapshot has the camera's own size
 };
 

@@ -11,11 +11,11 @@ constexpr std::chrono::milliseconds kPoll{1};
 }  // namespace
 
 CanvasWatch::CanvasWatch(std::unique_ptr<CanvasTracker> tracker,
-                         std::unique_ptr<GrowingSurface> surface, Driver& driver,
+                         std::unique_ptr<GrowingSurface> surface, NextFrame frames,
                          double stamp_error, bool lock_step)
     : tracker_(std::move(tracker)),
       surface_(std::move(surface)),
-      driver_(driver),
+      frames_(std::move(frames)),
       stamp_error_(stamp_error),
       lock_step_(lock_step) {
   // Here, before the loop's thread may get a real-time priority, which its threads would inherit.
@@ -39,7 +39,7 @@ bool CanvasWatch::take_frames(double time) {
   bool any = lag != restamped_;
   if (any) tracker_->restamp(restamped_ - lag);
   restamped_ = lag;
-  for (CanvasFrame frame; driver_.next_frame(&frame); any = true) {
+  for (CanvasFrame frame; frames_(time, &frame); any = true) {
     frame.time -= stamp_error_ + lag;
     tracker_->add(frame);
     if (surface_ && frame.depth) surface_->offer(tracker_->shape()->model().points(), time);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <thread>
 
@@ -18,11 +19,14 @@
 
 namespace impedraw {
 
+// The next of the frames that have arrived by a time [s], as Driver::next_frame(); false: none.
+using NextFrame = std::function<bool(double time, CanvasFrame* frame)>;
+
 class CanvasWatch {
  public:
   // surface: null where the surface stays as the snapshot saw it. stamp_error: FrameSettings [s].
   CanvasWatch(std::unique_ptr<CanvasTracker> tracker, std::unique_ptr<GrowingSurface> surface,
-              Driver& driver, double stamp_error, bool lock_step);
+              NextFrame frames, double stamp_error, bool lock_step);
   ~CanvasWatch() { end(); }
   CanvasWatch(const CanvasWatch&) = delete;
   CanvasWatch& operator=(const CanvasWatch&) = delete;
@@ -52,7 +56,7 @@ class CanvasWatch {
 
   std::unique_ptr<CanvasTracker> tracker_;  // on a wall clock, of the other thread
   std::unique_ptr<GrowingSurface> surface_;
-  Driver& driver_;
+  NextFrame frames_;
   double stamp_error_;
   bool lock_step_;
   FeltMotion felt_;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "impedraw/run/played_capture.h"
+
 namespace impedraw {
 namespace {
 
@@ -47,7 +49,12 @@ std::unique_ptr<CanvasWatch> canvas_watch(const Experiment& e, Driver& driver, c
   std::unique_ptr<GrowingSurface> surface;
   if (tracker->shape() && p.frames.grow_surface)
     surface = std::make_unique<GrowingSurface>(*e.belief.perception, p.normals, lock_step);
-  return std::make_unique<CanvasWatch>(std::move(tracker), std::move(surface), driver,
+  NextFrame frames = [&driver](double, CanvasFrame* frame) { return driver.next_frame(frame); };
+  if (p.source == PerceptionSource::capture)
+    frames = [played =
+                  std::make_shared<PlayedCapture>(p, e.belief.arm, e.belief.camera_corrections)](
+                 double time, CanvasFrame* frame) { return played->next(time, frame); };
+  return std::make_unique<CanvasWatch>(std::move(tracker), std::move(surface), std::move(frames),
                                        p.frames.stamp_error, lock_step);
 }
 

@@ -109,6 +109,50 @@ TEST(ViewAlignment, ViewsAreFoundAgainToTenthsOfAMillimetre) {
     }
 }
 
+// A mug on a table turns about its axis all the same but for its handle, and depths come in steps of
+// a millimetre: exact views must not be moved for what the steps seem to tell.
+TEST(ViewAlignment, ExactViewsOfAMugStay) {
+  TriangleMesh mesh;
+  const auto sheet = [&mesh](int n, int m, const auto& at) {
+    const int first = static_cast<int>(mesh.vertices.size());
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; j <= m; ++j)
+        mesh.vertices.push_back(at(static_cast<double>(i) / n, static_cast<double>(j) / m));
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < m; ++j) {
+        const int a = first + i * (m + 1) + j, b = a + m + 1;
+        mesh.triangles.insert(mesh.triangles.end(),
+                              {Eigen::Vector3i(a, b, b + 1), Eigen::Vector3i(a, b + 1, a + 1)});
+      }
+  };
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  const auto wall = [](double r, double turn, double z) {
+    return Vector3d(0.6 + r * std::cos(kTurn * turn), r * std::sin(kTurn * turn), z);
+  };
+  sheet(96, 20, [&](double u, double v) { return wall(0.05, u, 0.12 * v); });
+  sheet(96, 20, [&](double u, double v) { return wall(0.046, -u, 0.12 * v); });
+  sheet(96, 4, [&](double u, double v) { return wall(0.05 - 0.004 * v, u, 0.12); });
+  sheet(32, 16, [&](double u, double v) {
+    const double along = 0.5 * kTurn * u, about = kTurn * v, r = 0.035 + 0.007 * std::cos(about);
+    return Vector3d(0.6 + 0.007 * std::sin(about), 0.046 + r * std::sin(along),
+                    0.06 + r * std::cos(along));
+  });
+  sheet(4, 4, [](double u, double v) { return Vector3d(0.3 + 0.6 * u, -0.4 + 0.8 * v, 0.0); });
+  const Canvas canvas(std::move(mesh));
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    Wrong exact(canvas, 0.0, 0.0, 0.0, seed);
+    for (CapturedView& view : exact.capture.views) {
+      view.quantum = 1e-3;
+      for (double& z : view.depth.depth) z = 1e-3 * std::round(1e3 * z);
+    }
+    const ViewAlignment found = exact.align();
+    for (const AlignedView& view : found.views) {
+      EXPECT_LT(view.shift, 0.4e-3);
+      EXPECT_LT((view.T * Vector3d(0.6, 0, 0.06) - Vector3d(0.6, 0, 0.06)).norm(), 0.4e-3);
+    }
+  }
+}
+
 // A long, thin body on a table: one view is held along it, and others are not. A turn of all of
 // them must not pay for what the one slid.
 TEST(ViewAlignment, ATableStaysLevelThoughOneViewSlidAlone) {

@@ -1,0 +1,50 @@
+// A simulated depth camera: how it is believed to stand and see, and how it does
+// (CameraErrors, perception.stereo). The directions of its errors come from the seed.
+#pragma once
+
+#include <cstdint>
+
+#include "impedraw/canvas/canvas.h"
+#include "impedraw/experiment/scenario.h"
+#include "impedraw/perception/stereo_faults.h"
+#include "impedraw/simulation/world.h"
+
+namespace impedraw {
+
+class SimulatedCamera {
+ public:
+  // Number `number` of perception.cameras, with images of its own size or of another one [px].
+  SimulatedCamera(const Scenario& scenario, std::size_t number);
+  SimulatedCamera(const Scenario& scenario, std::size_t number, int width, int height);
+
+  const DepthCamera& believed() const { return believed_; }
+  // It was found to stand at T X_WC.
+  void correct(const Pose& T) { believed_.X_WC = T * believed_.X_WC; }
+  const DepthCamera& actual() const { return actual_; }
+  std::uint64_t seed() const { return seed_; }
+
+  // What it measures, in all threads; or of a part of the image, in this one, with another seed.
+  DepthImage image(const CastRays& cast_rays) const;
+  void render(const CastRays& cast_rays, std::uint64_t seed, const PixelBox& part,
+              DepthImage* image) const;
+  // The pixels that may see a box, and some beside it.
+  PixelBox part(const Eigen::AlignedBox3d& box, const Pose& X_WB) const;
+
+  // A mark at p_W is in the image, and neither the arm nor the canvas, at X_WK, hides it.
+  bool sees(const Eigen::Vector3d& p_W, const World& world, const Canvas& canvas,
+            const Pose& X_WK) const noexcept;
+  // Where it is thought to be by this camera, without noise [m].
+  Eigen::Vector3d found_at(const Eigen::Vector3d& p_W) const noexcept;
+
+ private:
+  DepthCamera believed_, actual_;
+  std::uint64_t seed_;
+  StereoFaults faults_;
+  DepthNoise noise_;
+  double depth_scale_;
+};
+
+// The seed of a camera's errors and noise.
+std::uint64_t camera_seed(const Scenario& scenario, std::size_t camera);
+
+}  // namespace impedraw
