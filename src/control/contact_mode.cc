@@ -62,6 +62,10 @@ ContactMode ContactStates::next(const ContactEvidence& e) noexcept {
   const bool no_force = e.wrench_known && e.normal_force < settings_.loss_force;
   time_without_force_ = mode_ == Mode::contact && no_force ? time_without_force_ + dt_ : 0.0;
 
+  constexpr double kFollows = 0.3;  // [s]
+  if (e.carried && e.surface_known && mode_ == Mode::contact && e.wrench_known && !no_force)
+    distance_at_touch_ += dt_ / kFollows * (e.distance - distance_at_touch_);
+
   const bool near = e.surface_known && e.distance < (e.wrench_known ? settings_.search_distance
                                                                     : settings_.enter_distance);
   const bool held = e.wrench_known ? e.normal_force > settings_.touch_force

@@ -15,7 +15,9 @@
 // measured wrench, that is a normal force within `search_distance`. Without one, it is a tip that
 // no longer follows the approach, within `enter_distance`. Distance alone would start the push
 // before touch, with a force peak of twice the push. The distance at a measured touch is treated as
-// an error of the estimate or of the pen's length, and is subtracted until the touch is lost. Touch
+// an error of the estimate or of the pen's length, and is subtracted until the touch is lost; on a
+// canvas that is followed it is one of the forecast, and is found anew all the time, with a time
+// constant of 0.3 s. Touch
 // is lost beyond `leave_distance` (hysteresis) or after `loss_time` without measured force.
 #pragma once
 
@@ -54,6 +56,7 @@ struct ContactEvidence {
   bool wrench_lost = false;   // a wrench is expected but stale
   double normal_force = 0.0;  // measured [N]
   double approach_gap = 0.0;  // distance minus the approach's desired distance [m]
+  bool carried = false;       // on a canvas that is followed
 };
 
 class ContactStates {

@@ -159,7 +159,7 @@ LimitedTorque TorqueLimits::nearest(const JointVector& tau, const JointMatrix& M
 LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& task,
                                   const JointVector& null, const ArmTerms& arm,
                                   const OperationalSpace& space,
-                                  const Eigen::Vector3d& first) noexcept {
+                                  const Eigen::Vector3d& n, double rho) noexcept {
   LimitedTorque out{hold + task + null};
   if (!inside(out.tau)) {
     out.limited = true;
@@ -173,9 +173,9 @@ LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& ta
     out.tau = out.tau.cwiseMax(-limit_).cwiseMin(limit_);  // for rounding errors and step 3
   }
   JointMatrix M = arm.M;
-  if (!first.isZero(0.0)) {
-    const JointVector g = arm.J.topRows<3>().transpose() * first;
-    M -= kFirst / g.dot(space.acceleration(g)) * g * g.transpose();
+  if (rho > 0.0) {
+    const JointVector g = arm.J.topRows<3>().transpose() * n;
+    M -= rho / g.dot(space.acceleration(g)) * g * g.transpose();
   }
   const LimitedTorque within = nearest(out.tau, M);
   out.tau = within.tau;

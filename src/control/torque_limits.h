@@ -13,9 +13,9 @@
 // Rate        |τ_j − τ_j,last| ≤ rate_j Δt, last: nearest(). To keep the direction of the task's
 //             change would slow every joint, the quick wrist too, to the slowest one's rate: a lag
 //             in the loop (docs/decisions/0013).
-// First       Given a direction `first` at the tip, the metric of nearest() is of M − ρ g gᵀ/(gᵀ M⁻¹ g),
-//             g = Jᵀ first, ρ = 0.9: a lack of acceleration along it counts 1/(1 − ρ) times. A canvas
-//             that comes unforeseen presses with what the arm's rates leave of its inertia.
+// First       The metric of nearest() is of M − ρ g gᵀ/(gᵀ M⁻¹ g), g = Jᵀ n: a lack of the tip's
+//             acceleration along n counts 1/(1 − ρ) times, ρ in [0, 1). A canvas that comes
+//             unforeseen presses with what the arm's rates leave of its inertia.
 // Requires    limit > 0, rate > 0, n entries each, as ImpedanceSettings::validate() checks; `space`
 //             updated for `arm`; torques of n entries.
 // Result      always within limits and rates. Neither throws nor allocates.
@@ -36,14 +36,13 @@ struct LimitedTorque {
 
 class TorqueLimits {
  public:
-  static constexpr double kFirst = 0.9;  // ρ
-
   // limit [Nm], rate [Nm/s]: ±, one entry per joint. An empty rate means no rate limit.
   TorqueLimits(const Eigen::VectorXd& limit, const Eigen::VectorXd& rate, double dt);
 
   LimitedTorque apply(const JointVector& hold, const JointVector& task, const JointVector& null,
                       const ArmTerms& arm, const OperationalSpace& space,
-                      const Eigen::Vector3d& first = Eigen::Vector3d::Zero()) noexcept;
+                      const Eigen::Vector3d& n = Eigen::Vector3d::UnitZ(),
+                      double rho = 0.0) noexcept;
   // The torque within limits and rates whose acceleration is nearest to that of `tau`: least
   // (τ − tau)ᵀ M⁻¹ (τ − tau). While one joint's torque is still on its way, the others keep it from
   // throwing them about. M: the joints' inertia, n×n, positive definite; exact to 1e-9 Nm.

@@ -251,10 +251,10 @@ TEST(TorqueLimits, AFirstDirectionLacksLess) {
     const Torques t(p, rng, 50.0, 2.0);
     const Eigen::Vector3d n = p.terms.X_WE.R.col(2);
     TorqueLimits limits(limit, rate, kDt), plain(limit, rate, kDt);
-    const JointVector last = limits.apply(t.hold, t.task, t.null, p.terms, p.space, n).tau;
+    const JointVector last = limits.apply(t.hold, t.task, t.null, p.terms, p.space, n, 0.9).tau;
     plain.apply(t.hold, t.task, t.null, p.terms, p.space);
     const JointVector more = 1.2 * t.task, asked = t.hold + more + t.null;
-    const JointVector tau = limits.apply(t.hold, more, t.null, p.terms, p.space, n).tau;
+    const JointVector tau = limits.apply(t.hold, more, t.null, p.terms, p.space, n, 0.9).tau;
     const JointVector other = plain.apply(t.hold, more, t.null, p.terms, p.space).tau;
     const Eigen::MatrixXd inverse = Eigen::MatrixXd(p.terms.M).inverse();
     const Eigen::VectorXd g = p.terms.J.topRows<3>().transpose() * n, a = inverse * g;

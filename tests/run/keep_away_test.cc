@@ -61,5 +61,26 @@ TEST(KeepAway, StaysWhereNothingComesNearer) {
   EXPECT_EQ(away.shift().norm(), 0.0);
 }
 
+// A damped pen takes the retreat alone: it leads away from what comes, and never back.
+TEST(KeepAway, RetreatLeadsAwayOnly) {
+  KeepAway away;
+  SurfaceEstimate surface;
+  surface.status = SurfaceStatus::ok;
+  surface.n_W = Vector3d::UnitZ();
+  surface.distance = 0.01;
+  double most = 0.0;
+  for (int i = 0; i < 3000; ++i) {
+    const bool comes = i < 500;
+    if (!comes) surface.distance = 0.3;
+    away.update(surface, Vector3d(0.0, 0.0, comes ? 0.3 : 0.0), 1e-3);
+    EXPECT_GE(away.retreat().z(), 0.0) << i;
+    most = std::max(most, away.retreat().z());
+    if (i == 499) EXPECT_GT(away.retreat().z(), 0.29);
+    if (i > 1000) EXPECT_EQ(away.retreat().norm(), 0.0) << i;
+  }
+  EXPECT_LT(away.of({}).v_WD.z(), 0.01) << "the reference of a pen at rest returns";
+  EXPECT_LT(most, 0.4);
+}
+
 }  // namespace
 }  // namespace impedraw

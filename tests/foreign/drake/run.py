@@ -37,6 +37,7 @@ DRAWINGS = {
     "m-no-wrench": ("iiwa-m-no-wrench.yaml", []),
     "sine-heavy": ("iiwa-sine-no-wrench.yaml", ["--rotor", "0.1", "--pen-mass", "1.2"]),
     "sine-heavy-wrench": ("iiwa-sine.yaml", ["--wrench", "--rotor", "0.1", "--pen-mass", "1.2"]),
+    "sine-heavy-told": ("iiwa-sine-rotors.yaml", ["--wrench", "--rotor", "0.1", "--pen-mass", "1.2"]),
 }
 # Drake's eyes, too: what it stands before, the drawing, and a seed for the faults of its cameras.
 SEEN = {

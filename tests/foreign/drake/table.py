@@ -19,6 +19,7 @@ NAMES = {
     "m-no-wrench": "M, the same",
     "sine-heavy": "sine, no wrench, rotor inertia 0.1 kg m² and the pen a fifth heavier than believed",
     "sine-heavy-wrench": "the same with the late wrench",
+    "sine-heavy-told": "the same, `arm.rotor_inertia` told",
 }
 lines = [
     "| drawing | contact | ink RMS, max [mm] | force mean ± SD [N] | floor's SD [N] | touchdown [N] | first 10 ms of torque [Nm] | largest joint speed of its limit | unanswered statuses |",
