@@ -1,6 +1,6 @@
-"""Drake's hydroelastic contact of a pad's foam: the table that tests/simulation/pad_contact_test.cc compares with.
+"""Drake's hydroelastic contact of a pad's foam: the numbers that tests/simulation/pad_contact_test.cc compares with.
 
-    python pad.py > ../../simulation/pad_drake.csv     in the venv of requirements.txt
+    python pad.py     in the venv of requirements.txt
 
 The foam is a compliant half-space, whose pressure is modulus × depth / slab: a bed of springs. A rigid disc, tilted and pressed into
 it, and a rigid ball stand for the pad on a plane and for the canvas under a wide pad. Drake tessellates them and integrates the
@@ -45,11 +45,14 @@ def load(shape, resolution, pose):
         sign = 1.0 if surface.id_M() == rigid_id else -1.0
         for t in range(mesh.num_triangles()):
             corners = np.array([mesh.vertex(mesh.triangles()[t].vertex(i)) for i in range(3)])
-            p = np.mean([surface.tri_e_MN().EvaluateAtVertex(mesh.triangles()[t].vertex(i)) for i in range(3)])
+            p = np.array([surface.tri_e_MN().EvaluateAtVertex(mesh.triangles()[t].vertex(i)) for i in range(3)])
             normal = mesh.face_normal(t)
-            f = p * mesh.area(t) * normal * sign
-            force += f
-            moment += np.cross(corners.mean(0) - pose.translation(), f)
+            if isinstance(shape, Cylinder) and abs(normal @ pose.rotation().matrix()[:, 2]) < 0.5:
+                continue  # its wall, which no foam touches on a pad
+            for i in range(3):  # the middles of the edges: exact for a moment, of second order in the place
+                f = 0.5 * (p[i] + p[i - 1]) * mesh.area(t) / 3.0 * sign * normal
+                force += f
+                moment += np.cross(0.5 * (corners[i] + corners[i - 1]) - pose.translation(), f)
     return force[2], moment
 
 
