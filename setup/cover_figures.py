@@ -1,7 +1,10 @@
 """Treats the surfaces of docs/cover.md and writes its table.
 
-    python setup/cover_figures.py PROGRAM FOLDER     FOLDER gets the meshes and the runs
+    python setup/cover_figures.py PROGRAM FOLDER [SURFACE ...]     FOLDER gets the meshes and the runs; SURFACE: only these
+
+A run that FOLDER holds already is not repeated: after an interrupt it goes on, and an empty FOLDER measures all anew. Two run at a time.
 """
+import concurrent.futures
 import json
 import pathlib
 import subprocess
@@ -11,25 +14,40 @@ import cover_meshes
 from quotes import fill_part
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-SURFACES = {
-    "dome": "dome (`./impedraw cover`)", "saddle": "saddle", "door": "car door with crease and recess",
-    "hole": "plane with a hole", "ell": "an L", "step": "step of 8 mm", "vase": "lying vase", "torus": "torus",
-    "helmet": "helmet with slits", "strip": "strip of 44 mm", "duck": "duck",
-}  # fmt: skip
-BUILT_IN = {"dome": [], "saddle": ["--set", "canvas.kind=saddle"]}
+DUCK = ["--set", f"canvas.mesh.file={ROOT / 'build/surface-meshes/duck.obj'}", "--set", "canvas.mesh.position=[0.6,0,0]"]
+SURFACES = {  # name: in the table, arguments beside the mesh of that name, whether there is one
+    "dome": ("dome (`./impedraw cover`)", [], False),
+    "saddle": ("saddle", ["--set", "canvas.kind=saddle"], False),
+    "curve": ("a car door's curve", [], True),
+    "terrain": ("hills, 1.2 mm of depth noise at 1 m", ["--set", "canvas.kind=terrain", "--set", "perception.noise.sigma_at_1m=0.0012"], False),
+    "duck": ("duck", ["--set", "canvas.kind=mesh", *DUCK], False),  # of setup/surface_meshes.py
+    "door": ("car door with crease and recess", [], True),
+    "hole": ("plane with a hole", [], True),
+    "ell": ("an L", [], True),
+    "step": ("step of 8 mm", [], True),
+    "vase": ("lying vase", [], True),
+    "torus": ("torus", [], True),
+    "helmet": ("helmet with slits", [], True),
+    "strip": ("strip of 44 mm", [], True),
+}
+HEAD = ("surface", "treated", "promised", "force, and its RMS error from what is asked there [N]", "removal even to", "map of the arm off by", "untreated, unsaid")  # fmt: skip
 
 
-def row(program, folder, name):
-    file = ROOT / "build/surface-meshes/duck.obj" if name == "duck" else folder / f"{name}.obj"  # setup/surface_meshes.py makes the duck
-    mesh = ["--set", "canvas.kind=mesh", "--set", f"canvas.mesh.file={file}"]
-    run = subprocess.run(
-        [program, "cover", *BUILT_IN.get(name, mesh), "--out", folder / name, "--overwrite"], cwd=ROOT, capture_output=True, text=True
-    )
-    if run.returncode:
-        sys.exit(f"{name}: {run.stderr.strip()}")
+def treat(program, folder, name):
+    if not (folder / name / "metrics.json").exists():
+        _, arguments, meshed = SURFACES[name]
+        mesh = ["--set", "canvas.kind=mesh", "--set", f"canvas.mesh.file={folder / name}.obj"] if meshed else []
+        command = [program, "cover", *mesh, *arguments, "--out", folder / name, "--overwrite"]
+        run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+        if run.returncode:
+            raise SystemExit(f"{name}: {run.stderr.strip()}")
+    print(name, file=sys.stderr, flush=True)
+
+
+def row(folder, name):
     m = json.loads((folder / name / "metrics.json").read_text())
     cells = [
-        SURFACES[name], f"{m['treated_share']:.4f}", f"{m['promised_share']:.3f}", f"{m['force_mean']:.2f}, {m['force_rms_error']:.2f}",
+        SURFACES[name][0], f"{m['treated_share']:.4f}", f"{m['promised_share']:.3f}", f"{m['force_mean']:.2f}, {m['force_rms_error']:.2f}",
         f"{100 * m['removal_cv']:.1f} %", f"{100 * m['removal_map_error']:.1f} %", f"{m['unsaid_share']:.4f}",
     ]  # fmt: skip
     return "| " + " | ".join(cells) + " |"
@@ -37,15 +55,15 @@ def row(program, folder, name):
 
 def main():
     program, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+    names = sys.argv[3:] or list(SURFACES)
+    if unknown := set(names) - set(SURFACES):
+        sys.exit(f"{', '.join(sorted(unknown))}: no surface of this table; valid are {', '.join(SURFACES)}")
     folder.mkdir(parents=True, exist_ok=True)
     cover_meshes.write(folder)
-    lines = [
-        "| surface | treated | promised | force, and its RMS error from what is asked there [N] | removal even to | map of the arm off by | untreated, unsaid |",
-        "|---" * 7 + "|",
-    ]
-    for name in SURFACES:
-        print(name, file=sys.stderr)
-        lines.append(row(program, folder, name))
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda name: treat(program, folder, name), names))
+    lines = ["| " + " | ".join(HEAD) + " |", "|---" * len(HEAD) + "|"]
+    lines += [row(folder, name) for name in SURFACES if (folder / name / "metrics.json").exists()]
     fill_part(ROOT / "docs/cover.md", "treated", lines)
 
 

@@ -1,6 +1,6 @@
 """Writes the surfaces that ./impedraw cover is measured on (docs/cover.md), beside the built-in ones and the duck.
 
-    python setup/cover_meshes.py [FOLDER]     FOLDER: build/cover-meshes, which gets door.obj, vase.obj, torus.obj, helmet.obj,
+    python setup/cover_meshes.py [FOLDER]     FOLDER: build/cover-meshes, which gets curve.obj, door.obj, vase.obj, torus.obj, helmet.obj,
                                               hole.obj, step.obj, ell.obj and strip.obj; metres, on the table before the arm
 """
 import math
@@ -11,9 +11,14 @@ STEP = 2e-3  # of the grids [m]
 CENTRE = (0.60, 0.0, 0.15)
 
 
+def curve(x, y):
+    """A car door's: doubly curved, 0.9 m along and 0.5 m across."""
+    return -x * x / 0.5 / 2 - y * y / 0.9 / 2
+
+
 def door(x, y):
-    """Doubly curved, 0.9 m along and 0.5 m across; a crease of 12° along a line; a handle's recess of 6 mm, 90 × 50 mm."""
-    z = -x * x / 0.5 / 2 - y * y / 0.9 / 2
+    """The same with a crease of 12° along a line and a handle's recess of 6 mm, 90 × 50 mm."""
+    z = curve(x, y)
     s = x + 0.055 + 0.04 * y
     z -= 0.5 * math.tan(math.radians(12)) * (math.hypot(s, 4e-3) - s)
     d = math.hypot((x - 0.05) / 0.025, (y - 0.03) / 0.045)
@@ -61,7 +66,7 @@ def strip(x, y):
 
 
 SHAPES = {  # half a width along x and y [m]
-    door: (0.11, 0.14), vase: (0.08, 0.13), torus: (0.12, 0.12), helmet: (0.13, 0.11), hole: (0.09, 0.09), step: (0.09, 0.09),
+    curve: (0.11, 0.14), door: (0.11, 0.14), vase: (0.08, 0.13), torus: (0.12, 0.12), helmet: (0.13, 0.11), hole: (0.09, 0.09), step: (0.09, 0.09),
     ell: (0.09, 0.09), strip: (0.09, 0.13)}
 
 

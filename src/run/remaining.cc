@@ -25,7 +25,10 @@ std::vector<StrokePart> remaining(const Experiment& e, const InkWatch& ink,
                                   const std::vector<StrokePart>& given_up) {
   std::vector<StrokePart> done = ink.parts();
   done.insert(done.end(), given_up.begin(), given_up.end());
-  return rest_of(e.plan.strokes, done, kShortestGap);
+  // What a pad's centre missed for less than half a radius, its face has treated before and behind.
+  const ToolSettings& tool = e.scenario.tool;
+  return rest_of(e.plan.strokes, done,
+                 tool.kind == ToolKind::pad ? 0.5 * tool.radius : kShortestGap);
 }
 
 TipPath path_for(const Experiment& e, const std::vector<StrokePart>& parts,

@@ -75,5 +75,35 @@ TEST(Pad, SticksByItsShear) {
   EXPECT_NEAR(sticks.f.x(), -0.5 * s.stiffness * s.area() * 50e-6, 1e-9);
 }
 
+// Drake's hydroelastic contact of the same foam, by tests/foreign/drake/pad.py (Drake 1.51.1): the
+// disc on a plane, partly lifted at 0.2 rad and 1 mm, and a ball that dents it. Drake's ball has
+// facets: its force is 2 % less than k π d² (R − d/3), the sphere's.
+TEST(Pad, AgreesWithDrakesHydroelasticContact) {
+  const struct {
+    double depth, tilt, force, moment;
+  } discs[] = {{1e-3, 0.0, 1.41269, 0.0},         {1e-3, 0.02, 1.41240, 0.001588},
+               {1e-3, 0.05, 1.41092, 0.003969},   {1e-3, 0.2, 1.71403, 0.012134},
+               {2e-3, 0.0, 2.82537, 0.0},         {2e-3, 0.02, 2.82481, 0.001588},
+               {2e-3, 0.05, 2.82184, 0.003969},   {2e-3, 0.2, 2.82814, 0.014997},
+               {3.5e-3, 0.0, 4.94440, 0.0},       {3.5e-3, 0.02, 4.94341, 0.001588},
+               {3.5e-3, 0.05, 4.93822, 0.003969}, {3.5e-3, 0.2, 4.84584, 0.015775}};
+  for (const auto& disc : discs) {
+    SCOPED_TRACE(testing::Message() << disc.depth << " m, " << disc.tilt << " rad");
+    const PadLoad at = load(pressed(disc.depth, disc.tilt));
+    // Drake's springs lie along the plane's normal and push along the disc's, ours the other way
+    // round: its vertical force is cos² of ours. The moment is about where the axis meets the plane.
+    const double cos2 = std::pow(std::cos(disc.tilt), 2);
+    EXPECT_NEAR(cos2 * at.f.norm(), disc.force, 0.01 * disc.force);
+    const Eigen::Vector3d axis = pressed(disc.depth, disc.tilt).R.col(2);
+    const double moment = (at.m - (disc.depth / axis.z() * axis).cross(at.f)).x();
+    EXPECT_NEAR(cos2 * std::abs(moment), disc.moment, 0.01 * disc.moment + 1e-6);
+  }
+  CapSettings ball{0.05, {0.003, -0.002, -0.05}, 0.03, 5e-4};
+  PadContact pad{PadSettings()};
+  const PadLoad at = pad.press(Canvas(make_dome(ball)), pressed(2e-3), Vector6::Zero(), 1e-3);
+  EXPECT_NEAR(at.f.z(), 1.21453, 0.02 * 1.21453);
+  EXPECT_NEAR(at.f.z(), 2e6 * std::numbers::pi * 4e-6 * (0.05 - 2e-3 / 3.0), 0.04 * at.f.z());
+}
+
 }  // namespace
 }  // namespace impedraw

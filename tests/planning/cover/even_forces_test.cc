@@ -1,12 +1,14 @@
-// Forces that remove evenly, against closed forms of the dose.
+// Forces and lines that remove evenly, against closed forms of the dose.
 #include "impedraw/planning/cover/even_forces.h"
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <gtest/gtest.h>
 
 #include "impedraw/planning/cover/cover_lines.h"
+#include "impedraw/planning/cover/even_lines.h"
 
 namespace impedraw {
 namespace {
@@ -44,8 +46,8 @@ TEST(DoseOf, IsTheChordOfTheDisc) {
   for (std::size_t v = 0; v < g.size(); ++v) {
     const Eigen::Vector2d p = g.plane(v);
     const double off = std::abs(p.y() + 0.06);
-    if (std::abs(p.x()) > 0.04 || off > 0.95 * kPad) continue;
-    ASSERT_NEAR(dose[v], 2.0 * std::sqrt(kPad * kPad - off * off), 2.1e-3);
+    if (std::abs(p.x()) > 0.04) continue;
+    ASSERT_NEAR(dose[v], off < kPad ? 2.0 * std::sqrt(kPad * kPad - off * off) : 0.0, 1e-9);
   }
 }
 
@@ -83,6 +85,67 @@ TEST(EvenForces, MakeTheDoseMoreEvenWithinTheirLimits) {
     }
   }
   EXPECT_NEAR(sum / n, 1.0, 0.03);
+}
+
+// Of the lines that cover a plane, at a spacing.
+struct Covered {
+  SurfaceGrid g = plane();
+  Centres centres;
+  CoverLines lines;
+  std::vector<char> promised, inner;
+
+  explicit Covered(double spacing) {
+    CoverWish wish;
+    wish.footprint = {kPad, 3.5e-3, 0.01};
+    wish.spacing = spacing;
+    centres = footprint_centres(g, wish);
+    lines = cover_lines(g, centres, wish);
+    promised = swept(g, lines.passes, kPad - 5e-4);
+    inner = inside_by(g, promised, kPad);
+  }
+};
+
+TEST(EvenLines, MakeTheDoseEvenToTheBorder) {
+  for (const auto& [spacing, limit] : {std::pair{0.0057, 0.058}, {0.0093, 0.069}}) {
+    Covered c(spacing);
+    const PlaneLines before = c.lines.passes;
+    even_lines(c.g, c.centres.clearance, kPad, c.inner, c.lines.edges, &c.lines.passes);
+    const double even = cv(c.g, dose_of(c.g, c.lines.passes, kPad), c.inner);
+    EXPECT_LT(even, limit) << spacing;
+    EXPECT_LT(even, 0.9 * cv(c.g, dose_of(c.g, before, kPad), c.inner)) << spacing;
+    ASSERT_GE(c.lines.edges, 1U);
+    for (std::size_t l = 0; l < c.lines.edges; ++l) EXPECT_EQ(c.lines.passes[l], before[l]);
+    for (const auto& pass : c.lines.passes)
+      for (const Eigen::Vector2d& p : pass) ASSERT_GT(c.g.sample(c.centres.clearance, p), -1.5e-3);
+    const std::vector<char> after = swept(c.g, c.lines.passes, kPad - 5e-4);
+    EXPECT_GT(area_of(c.g, after), 0.999 * area_of(c.g, c.promised)) << spacing;
+  }
+}
+
+// One row that lies beside its place goes back to it.
+TEST(EvenLines, MoveRowsToTheirPlaces) {
+  const SurfaceGrid g = plane();
+  std::vector<char> middle(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v)
+    middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kPad;
+  const double spacing = kPad / 1.62;
+  PlaneLines lines = rows(spacing);
+  const std::size_t k = lines.size() / 2;
+  const double own = lines[k].front().y();
+  for (Eigen::Vector2d& p : lines[k]) p.y() += 0.25 * spacing;
+  even_lines(g, std::vector<double>(g.size(), 1.0), kPad, middle, 0, &lines);
+  EXPECT_NEAR(lines[k][lines[k].size() / 2].y(), own, 0.12 * spacing);
+}
+
+TEST(EvenLines, AreLeftWhereNothingIsToBeEven) {
+  const SurfaceGrid g = plane();
+  PlaneLines lines = rows(kPad);
+  const PlaneLines before = lines;
+  even_lines(g, std::vector<double>(g.size(), 1.0), kPad, std::vector<char>(g.size()), 0, &lines);
+  EXPECT_EQ(lines, before);
+  PlaneLines none;
+  even_lines(g, std::vector<double>(g.size(), 1.0), kPad, std::vector<char>(g.size()), 0, &none);
+  EXPECT_TRUE(none.empty());
 }
 
 }  // namespace
