@@ -261,8 +261,8 @@ TEST(Lies, SlowJointsDoNotStopTogether) {
     }
     return -1;
   };
-  EXPECT_EQ(named(4, 0), 8);
-  EXPECT_EQ(named(3, 100), 8);
+  EXPECT_EQ(named(4, 0), 7);
+  EXPECT_EQ(named(3, 100), 7);
   EXPECT_EQ(named(2, 1), -1);
 }
 
