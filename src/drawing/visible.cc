@@ -315,7 +315,8 @@ class Eye {
       for (Stroke& stroke : paint.strokes) {
         const auto found = indices.find(stroke.colour);
         if (found == indices.end() || found->second.empty() ||
-            !(stroke.edge ? paint.plain : paint.plain_strokes)) {
+            !(stroke.edge ? paint.plain : paint.plain_strokes) ||
+            (paint.inked && !paint.hides && paint.area.colour != stroke.colour)) {
           kept.push_back(std::move(stroke));
           continue;
         }

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include "impedraw/common/errors.h"
 #include "impedraw/drawing/order.h"
 #include "lines.h"
 
@@ -519,6 +520,57 @@ TEST(Svg, TextIsDrawnAsOutlines) {
   EXPECT_NEAR(extent(turned).min().x(), 50, 1e-3);
   EXPECT_NEAR(extent(turned).sizes().x(), extent(one).sizes().y() / 2, 1e-3);
   EXPECT_NEAR(extent(turned).sizes().y(), extent(one).sizes().x() / 2, 1e-3);
+}
+
+TEST(Svg, TextInSingleStrokes) {
+  const auto read = [](const std::string& text, const std::string& font) {
+    return parse_svg(
+        "<svg xmlns='http://www.w3.org/2000/svg' width='200mm' height='200mm' viewBox='0 0 200 "
+        "200'><g transform='translate(20 90) rotate(30)'><text font-size='20'>" +
+            text + "</text></g></svg>",
+        "a", {.may_be_empty = true, .single_font = font});
+  };
+  const Artwork outline = read("HHHHH", ""), single = read("HHHHH", "futural");
+  if (outline.strokes.empty()) GTEST_SKIP() << "no font on this system";
+  EXPECT_EQ(single.strokes.size(), 15u);
+  // In the text's own frame, an H is as high as the system's and stands in its place.
+  const auto box_of = [](const Artwork& a) {
+    const Eigen::Rotation2Dd back(-std::numbers::pi / 6);
+    Eigen::AlignedBox2d box;
+    for (const Stroke& s : a.strokes)
+      for (const Vector2d& p : s.points) box.extend(back * (p - Vector2d(20, 90)));
+    return box;
+  };
+  const Eigen::AlignedBox2d wanted = box_of(outline), got = box_of(single);
+  EXPECT_NEAR(got.min().y(), wanted.min().y(), 0.02 * 20);
+  EXPECT_NEAR(got.max().y(), wanted.max().y(), 1e-3);
+  EXPECT_NEAR(got.min().x(), wanted.min().x(), 0.15 * 20);
+  EXPECT_NEAR(got.max().x(), wanted.max().x(), 0.15 * 20);
+  const Artwork accents = read("\u00e9e\u0301", "futural");
+  EXPECT_EQ(accents.strokes.size() % 2, 0u);
+  EXPECT_GT(accents.strokes.size(), 3u);
+  const Artwork lacks = read("H\u20bd", "futural");
+  EXPECT_EQ(lacks.strokes.size(), 3u);
+  EXPECT_THROW(read("H", "no such font"), InputError);
+}
+
+TEST(Svg, AColourThatLeapsWithinAGradientIsALine) {
+  const auto length = [](const std::string& gradient, const std::string& stops) {
+    return pen_down_length(on_mm_page("<" + gradient + " id='g' " + stops + "</" + gradient +
+                                      "><rect x='20' y='20' width='40' height='40' "
+                                      "fill='url(#g)'/>")
+                               .strokes);
+  };
+  const std::string red = "<stop offset='.5' stop-color='red'/>",
+                    blue = "<stop offset='.5' stop-color='blue'/>";
+  EXPECT_NEAR(length("linearGradient", ">" + red + blue), 160 + 40, 1e-3);
+  EXPECT_NEAR(length("linearGradient", ">" + red + red), 160, 1e-3);
+  EXPECT_NEAR(length("radialGradient", "r='.2'>" + red + blue),
+              160 + 2 * std::numbers::pi * 0.1 * 40, 0.06);
+  EXPECT_NEAR(length("linearGradient", "x2='.25' spreadMethod='repeat'>" +
+                                           std::string("<stop stop-color='red'/>") +
+                                           "<stop offset='1' stop-color='blue'/>"),
+              160 + 3 * 40, 1e-3);
 }
 
 TEST(Svg, OtherEncodings) {

@@ -420,13 +420,13 @@ impl Outlines {
         if path.paint_order() == PaintOrder::StrokeAndFill {
             both.reverse();
         }
-        let (index, whole) = (self.paths.len(), both[0].1.clone());
+        let index = self.paths.len();
         for (data, path) in both {
             self.put(&data, ts, path);
         }
         if let Some(fill) = fill.filter(|_| stroke.is_none()) {
-            self.add_parts(path, fill, ts, whole);
             self.add_clear_bands(path, fill, ts, layer, clip, index);
+            self.add_leaps(path, fill, ts, layer, clip);
         }
     }
 

@@ -59,7 +59,6 @@ pub struct Band {
     pub area: Path, // even-odd, in the gradient's own unit
     pub luminance: f32,
     pub opacity: f32,
-    pub colour: u32, // on white, 0xRRGGBB
 }
 
 /// Luminance and opacity at t along the gradient, and its colour on white.
@@ -115,8 +114,8 @@ pub fn bands(paint: &Paint, box_: Rect) -> Option<(Vec<Band>, Transform)> {
     cut(paint, box_, false)
 }
 
-/// The same, cut only where the colour leaps.
-pub fn parts(paint: &Paint, box_: Rect) -> Option<(Vec<Band>, Transform)> {
+/// Where the colour leaps from one band to the next: the areas before, whose borders are lines.
+pub fn leaps(paint: &Paint, box_: Rect) -> Option<(Vec<Band>, Transform)> {
     cut(paint, box_, true)
 }
 
@@ -189,14 +188,21 @@ fn cut(paint: &Paint, box_: Rect, at_leaps: bool) -> Option<(Vec<Band>, Transfor
         };
         at(gradient.stops(), within)
     };
-    if at_leaps {
-        ends.retain(|t| {
-            let (before, after) = (seen_at(t - BESIDE), seen_at(t + BESIDE));
-            *t == from || *t == to || (2..5).any(|k| (before[k] - after[k]).abs() > LEAP)
-        });
-        ends.dedup_by(|a, b| *a - *b < 2.0 * BESIDE);
-    }
     let mut all = Vec::new();
+    let band = |area: Path, t: f32| {
+        let [luminance, opacity, ..] = seen_at(t);
+        Band { area, luminance, opacity }
+    };
+    if at_leaps {
+        ends.dedup_by(|a, b| *a - *b < 2.0 * BESIDE);
+        for t in &ends[1..ends.len() - 1] {
+            let sides = [seen_at(t - BESIDE), seen_at(t + BESIDE)];
+            if (2..5).any(|k| (sides[0][k] - sides[1][k]).abs() > LEAP) {
+                all.extend(before(*t).map(|area| band(area, *t)));
+            }
+        }
+        return Some((all, gradient.transform()));
+    }
     for pair in ends.windows(2).filter(|pair| pair[1] > pair[0]) {
         let mut area = PathBuilder::new();
         let outer = if pair[1] == to { Some(PathBuilder::from_rect(around)) } else { before(pair[1]) };
@@ -204,9 +210,7 @@ fn cut(paint: &Paint, box_: Rect, at_leaps: bool) -> Option<(Vec<Band>, Transfor
         for part in [outer, inner].into_iter().flatten() {
             area.push_path(&part);
         }
-        let [luminance, opacity, rgb @ ..] = seen_at((pair[0] + pair[1]) / 2.0);
-        let colour = rgb.iter().fold(0, |packed, channel| packed << 8 | channel.round() as u32);
-        all.extend(area.finish().map(|area| Band { area, luminance, opacity, colour }));
+        all.extend(area.finish().map(|area| band(area, (pair[0] + pair[1]) / 2.0)));
     }
     Some((all, gradient.transform()))
 }

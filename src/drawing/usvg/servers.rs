@@ -63,17 +63,16 @@ impl Outlines {
         shape
     }
 
-    /// Where a gradient's colour leaps, its parts are areas of their own, which hide the whole one.
-    pub fn add_parts(&mut self, path: &Path, fill: &Fill, ts: Transform, whole: SvgPath) {
-        let Some((parts, to_shape)) = paints::parts(fill.paint(), path.data().bounds()) else { return };
-        if parts.len() < 2 {
+    /// Puts lines where a gradient's colour leaps.
+    pub fn add_leaps(&mut self, path: &Path, fill: &Fill, ts: Transform, layer: u32, clip: u32) {
+        let Some((leaps, to_shape)) = paints::leaps(fill.paint(), path.data().bounds()) else { return };
+        if leaps.is_empty() {
             return;
         }
-        let hides_from = if whole.hides > 0 { whole.hides_from } else { self.paths.len() - 1 };
-        let shape = self.add_own_clip(path, fill, ts, whole.clip);
-        for part in parts {
-            let area = SvgPath { layer: whole.layer, clip: shape, filled: 1, even_odd: 1, fill: part.colour, hides: 1, hides_from, ..SvgPath::default() };
-            self.put(&part.area, ts.pre_concat(to_shape), area);
+        let clip = self.add_own_clip(path, fill, ts, clip);
+        for leap in leaps {
+            let line = SvgPath { layer, clip, stroked: 1, stroke: paints::colour(fill.paint()), path_length: f64::NAN, ..SvgPath::default() };
+            self.put(&leap.area, ts.pre_concat(to_shape), line);
         }
     }
 }
