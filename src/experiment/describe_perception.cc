@@ -70,6 +70,7 @@ void describe(Fields& f, FrameSettings& s) {
   f.field("depth_every", s.depth_every, {1, 1000}, "", "Every how many-th frame carries depths.");
   f.field("grow_surface", s.grow_surface,
           "Depths improve the surface under the pen; off: it stays as the snapshot saw it.");
+  f.constant("region_of_interest", true);
   f.field("width", s.width, {16, 4096}, "px", "Width of a frame.");
   f.field("height", s.height, {16, 4096}, "px", "Height of a frame.");
 }
