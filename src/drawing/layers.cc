@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/common/text_fields.h"
 
 namespace impedraw {
 namespace {
@@ -41,11 +42,6 @@ std::optional<int> take_number(std::string_view& text) {
   if (error != std::errc() || number < 0) return {};
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   return number;
-}
-
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == text.npos ? "" : std::string(text.substr(first, last - first + 1));
 }
 
 std::string lower(std::string text) {
@@ -151,7 +147,7 @@ void choose_layers(Artwork& artwork, const std::string& choice) {
   std::string_view rest = choice;
   while (!rest.empty()) {
     const std::size_t comma = std::min(rest.find(','), rest.size());
-    const std::string word = lower(trimmed(rest.substr(0, comma)));
+    const std::string word = lower(std::string(trimmed(rest.substr(0, comma))));
     rest.remove_prefix(std::min(comma + 1, rest.size()));
     bool found = false;
     for (std::size_t i = 0; i < chosen.size(); ++i) {
