@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "impedraw/simulation/blade_law.h"
+
 namespace impedraw {
 
 PerceptionSettings::PerceptionSettings() {
@@ -360,19 +362,29 @@ void describe(Fields& f, LayerPenSettings& s) {
 
 void describe(Fields& f, ToolSettings& s) {
   using Limits = ToolSettings::Limits;
-  f.choice("kind", s.kind, {"pen", "pad", "engraver"},
+  f.choice("kind", s.kind, {"pen", "pad", "engraver", "blade", "roller"},
            "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
-           "foam. engraver: a turning cone that cuts grooves.");
-  f.field(Limits::radius, s.radius, "Radius of the pad.");
+           "foam. engraver: a turning cone that cuts grooves. blade: an edge that is led along the "
+           "lines. roller: a line across them that rolls.");
+  f.field(Limits::radius, s.radius,
+          "Radius of the pad, half the length of a blade's edge or of a roller; null: 15 mm, and "
+          "for a blade as much as the force sinks into the believed material.");
   f.field(Limits::foam_thickness, s.foam_thickness, "Thickness of the pad's foam.");
   f.field(Limits::foam_stiffness, s.foam_stiffness, "Pressure of the foam per compression.");
   f.field(Limits::foam_damping, s.foam_damping, "Pressure of the foam per rate of compression.");
   f.field(Limits::depth, s.depth, "Depth of the engraver's groove below the surface.");
-  f.field(Limits::half_angle, s.half_angle_deg, "Half of the angle of the engraver's cone.");
+  f.field(Limits::half_angle, s.half_angle_deg,
+          "Half of the angle of the engraver's cone; angle of a blade's edge to the surface.");
   f.field(Limits::passes, s.passes,
           "Cuts to that depth, in equal steps, after a shallow one that finds the surface.");
   f.field(Limits::hardness, s.hardness,
           "True cutting forces of the simulated material over the believed ones.");
+  f.field(Limits::yaw, s.yaw_deg,
+          "Angle of a blade or roller from the line, about the surface's normal: a squeegee's 90.");
+  f.field(Limits::trail, s.trail,
+          "How far a blade's edge or a roller trails the arm's axis, as a drag knife's.");
+  f.choice("swivel", s.swivel, {"spot", "lifted"},
+           "How a blade or roller turns at a corner: on the spot, or lifted.");
 }
 
 void describe(Fields& f, CoverSettings& s) {
@@ -435,10 +447,30 @@ bool is_rehearsal(const Scenario& s) {
 
 std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force) {
   if (tool.kind != ToolKind::pad) return std::nullopt;
-  PadSettings pad{
-      tool.radius, tool.foam_thickness, tool.foam_stiffness, tool.foam_damping, friction, 0.0};
+  PadSettings pad{tool.radius.value_or(PadSettings().radius),
+                  tool.foam_thickness,
+                  tool.foam_stiffness,
+                  tool.foam_damping,
+                  friction,
+                  0.0};
   pad.rest = force / (pad.stiffness * pad.area());
   return pad;
+}
+
+std::optional<PadSettings> face_of(const Scenario& s) {
+  const double force = s.control.normal_force;
+  if (s.tool.kind == ToolKind::blade) {
+    BladeSettings blade;
+    blade.angle = s.tool.half_angle_deg * std::numbers::pi / 180.0;
+    PadSettings edge = blade_edge(blade, s.tool.radius.value_or(0.0), force);
+    edge.trail = s.tool.trail;
+    return edge;
+  }
+  ToolSettings pad = s.tool;
+  if (is_led(s.tool)) pad.kind = ToolKind::pad;
+  std::optional<PadSettings> face = pad_of(pad, s.world.tip.friction, force);
+  if (face && is_led(s.tool)) *face = roller_line(*face, s.tool.trail, force);
+  return face;
 }
 
 std::optional<CutterSettings> cutter_of(const ToolSettings& tool) {

@@ -6,23 +6,19 @@
 
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
-#include "impedraw/experiment/experiment.h"
-#include "impedraw/log/log.h"
+#include "impedraw/run/tool_judge.h"
 
 namespace impedraw {
 
-inline constexpr const char* kGrooveFile = "groove.json";
-
-class GrooveJudge {
+class GrooveJudge : public ToolJudge {
  public:
   static constexpr double kBin = 2e-4;  // [m]
 
   explicit GrooveJudge(const Experiment& experiment);
-  void add(const LogRow& row);
+  void add(const LogRow& row) override;
   // depth_error_rms, depth_error_max and depth_mean [mm], under "metrics"; null without a line.
-  nlohmann::ordered_json results() const;
+  nlohmann::ordered_json results() const override;
+  const char* file() const override { return kGrooveFile; }
 
  private:
   int lines_;                               // of one pass

@@ -11,7 +11,7 @@
 #include "impedraw/files/durable_file.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
-#include "impedraw/run/groove.h"
+#include "impedraw/run/tool_judge.h"
 #include "impedraw/terminal/called.h"
 #include "impedraw/terminal/say.h"
 
@@ -36,10 +36,10 @@ std::vector<std::vector<Eigen::Vector3d>> left_out_in(const std::filesystem::pat
   return lines;
 }
 
-// Where an area was covered or a groove cut, the metrics of its file come first.
+// Where an area was covered, a groove cut or a blade led, the metrics of its file come first.
 void write_metrics(const std::filesystem::path& folder, const Metrics& metrics) {
   nlohmann::ordered_json all = nlohmann::ordered_json::object();
-  for (const char* const file : {kCoverFile, kGrooveFile}) {
+  for (const char* const file : {kCoverFile, kGrooveFile, kBladeFile}) {
     std::ifstream in(folder / file);
     const auto judged = nlohmann::ordered_json::parse(in, nullptr, false);
     if (judged.is_object() && judged.contains("metrics")) all.update(judged["metrics"]);

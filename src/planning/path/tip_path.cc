@@ -16,11 +16,12 @@ const char* name_of(Phase phase) noexcept {
 
 TipPath::TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines,
                  const std::vector<int>& numbers, const Pose& X_WP,
-                 std::vector<ForceProfile> forces)
+                 std::vector<ForceProfile> forces, std::optional<ToolHeading> heading)
     : legs_(std::move(legs)),
       splines_(std::move(splines)),
       strokes_(numbers.size()),
       forces_(std::move(forces)),
+      heading_(std::move(heading)),
       X_WP_(X_WP) {
   for (std::size_t i = 0; i < numbers.size(); ++i) strokes_[i].number = numbers[i];
   std::vector<char> started(numbers.size(), 0);
@@ -51,6 +52,35 @@ double TipPath::pen_down_length() const noexcept {
   double sum = 0;
   for (const StrokeTimes& s : strokes_) sum += s.length;
   return sum;
+}
+
+// Heading of a leg, and what E's place differs by; in P.
+void TipPath::lead(const PathLeg& leg, double since, TipReference* r) const noexcept {
+  const Vector3d n = r->n_WD;
+  if (leg.spline >= 0) {
+    constexpr double kNear = 2.5e-4;  // [m]
+    const PathSpline& spline = splines_[leg.spline];
+    const SpeedState along = leg.progress.at(since);
+    const SplineHeading here = heading_at(spline.at(along.x));
+    const double before = std::max(0.0, along.x - kNear),
+                 after = std::min(spline.length(), along.x + kNear);
+    const double bend =
+        (heading_at(spline.at(after)).turn - heading_at(spline.at(before)).turn) / (after - before);
+    r->x_WD = turned_about(n, here.t, heading_->yaw);
+    r->yaw_rate = here.turn * along.speed;
+    r->yaw_acceleration = here.turn * along.acceleration + bend * along.speed * along.speed;
+  } else {
+    const SpeedState spin = leg.spin.at(since);
+    const double way = leg.spin_back ? -1.0 : 1.0;
+    const Vector3d carried = Eigen::AngleAxisd(leg.turn.at(since).x, leg.turn_axis) * leg.x;
+    r->x_WD = turned_about(n, carried, way * spin.x);
+    r->yaw_rate = way * spin.speed;
+    r->yaw_acceleration = way * spin.acceleration;
+  }
+  const Vector3d w = r->w_WD + r->yaw_rate * n, lever = heading_->trail * r->x_WD;
+  r->p_WD += lever;
+  r->v_WD += w.cross(lever);
+  r->a_WD += (r->alpha_WD + r->yaw_acceleration * n).cross(lever);
 }
 
 PathSample TipPath::at(double t) const noexcept {
@@ -104,9 +134,11 @@ PathSample TipPath::at(double t) const noexcept {
     reference.w_WD = turn.speed * leg.turn_axis;
     reference.alpha_WD = turn.acceleration * leg.turn_axis;
   }
+  if (heading_) lead(leg, since, &reference);
   reference.p_WD = X_WP_.p + X_WP_.R * reference.p_WD;
   for (Eigen::Vector3d* v :
-       {&reference.v_WD, &reference.a_WD, &reference.n_WD, &reference.w_WD, &reference.alpha_WD})
+       {&reference.v_WD, &reference.a_WD, &reference.n_WD, &reference.w_WD, &reference.alpha_WD,
+        &reference.x_WD})
     *v = X_WP_.R * *v;
   return sample;
 }

@@ -13,12 +13,16 @@
 // While the pen is down, its force is that of the stroke where it is (force_profile.h), or none of
 // its own; force_rate is the exact derivative.
 //
+// A tool's heading may be led (tool_heading.h). p then is E's, and not that of what follows the
+// stroke; dψ/du is differenced for the yaw's acceleration, and a is exact but for trail ω × (ω × x).
+//
 // v and a are the exact derivatives of p, as w and alpha are of n. v, w and a are continuous,
 // corners and stops included. Speeds and accelerations always stay within their limits. Along a
 // stroke, both are measured on the surface, in 3D.
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "impedraw/common/pose.h"
@@ -26,6 +30,7 @@
 #include "impedraw/planning/path/force_profile.h"
 #include "impedraw/planning/path/path_spline.h"
 #include "impedraw/planning/path/speed_profile.h"
+#include "impedraw/planning/path/tool_heading.h"
 
 namespace impedraw {
 
@@ -67,6 +72,11 @@ struct PathLeg {
   Eigen::Vector3d n = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d turn_axis = Eigen::Vector3d::UnitX();  // unit, across n
   SpeedProfile turn;                                     // [rad]
+  // Of a led heading, without a spline: x at the leg's start, carried along by `turn`, and turned
+  // about n, the other way round if `spin_back`.
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  SpeedProfile spin;  // [rad]
+  bool spin_back = false;
 };
 
 class TipPath {
@@ -76,7 +86,7 @@ class TipPath {
   // samples are in W. `forces`: of each stroke; may be empty.
   TipPath(std::vector<PathLeg> legs, std::vector<PathSpline> splines,
           const std::vector<int>& numbers, const Pose& X_WP = {},
-          std::vector<ForceProfile> forces = {});
+          std::vector<ForceProfile> forces = {}, std::optional<ToolHeading> heading = {});
 
   double duration() const noexcept {
     return starts_.empty() ? 0 : starts_.back() + legs_.back().duration;
@@ -91,11 +101,14 @@ class TipPath {
   double pen_down_length() const noexcept;  // total over all strokes, on the surface [m]
 
  private:
+  void lead(const PathLeg& leg, double since, TipReference* reference) const noexcept;
+
   std::vector<PathLeg> legs_;
   std::vector<double> starts_, pauses_;  // of the legs [s]
   std::vector<PathSpline> splines_;
   std::vector<StrokeTimes> strokes_;
   std::vector<ForceProfile> forces_;
+  std::optional<ToolHeading> heading_;
   Pose X_WP_;
 };
 
