@@ -425,7 +425,9 @@ bool Planning::leave_out_crawling() {
   const double asked = std::min(s_.preflight.least_speed, 0.5 * plan_.path_settings.draw_speed);
   if (!(asked > 0.0)) return false;
   double least = kCrawling * asked;
-  const bool slow_on_average = plan_.path.mean_speed() < kInHand * asked;
+  // The turns of a led tool at its corners are no crawling.
+  const bool slow_on_average =
+      !plan_.path_settings.heading && plan_.path.mean_speed() < kInHand * asked;
   if (!slow_on_average && !is_slow_anywhere(plan_.path, least)) return false;
   const TipPath free = plan_from(unhindered(plan_.path_settings), surface(), plan_.strokes,
                                  s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold);

@@ -2,11 +2,19 @@
 // and corners are judged against the strokes themselves.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
 #include "arm_fixture.h"
+#include "impedraw/arm/arm_notes.h"
 #include "impedraw/canvas/built_in.h"
 #include "impedraw/control/heading.h"
 #include "impedraw/planning/path/tip_planner.h"
@@ -37,18 +45,41 @@ double distance(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   return (p - a - share * (b - a)).norm();
 }
 
+struct Arm {
+  std::string name;  // empty: the iiwa of the repository
+  std::vector<double> seed;
+};
+const Arm kIiwa{"", {0.1, 0.6, -0.1, -1.4, 0.2, 1.1, 0.3}};
+const Arm kFr3{"fr3", {0.0, 0.1, 0.0, -2.2, 0.0, 2.3, 0.0}};
+const Arm kUr5e{"ur5e", {0.0, -1.2, 1.8, -2.2, -1.57, 0.0}};
+
+std::filesystem::path urdf_of(const Arm& arm) {
+  if (arm.name.empty()) return kArm;
+  std::ifstream in("models/arms/" + arm.name + ".urdf");
+  std::stringstream text;
+  text << in.rdbuf();
+  const std::filesystem::path file = std::filesystem::temp_directory_path() /
+                                     (arm.name + std::to_string(getpid()) + ".urdf");
+  std::ofstream(file) << urdf_with_pen(text.str(), {0.12, 0.05});
+  return file;
+}
+
 // window: of the line about the plan's place, in which the blade's own is sought [m].
 Cut cut(const PlacedStroke& stroke, double trail, bool lifted, double window,
-        double heading_stiffness = 30.0) {
-  ArmModel arm(kArm);
+        double heading_stiffness = 30.0, const Arm& of = kIiwa) {
+  const std::filesystem::path urdf = urdf_of(of);
+  ArmModel arm(urdf);
+  const int joints = arm.joints();
+  const JointVector seed = Eigen::Map<const Eigen::VectorXd>(of.seed.data(), joints);
   BowlSettings bowl;
   const Canvas canvas(make_bowl(bowl));
   WorldSettings world_settings;
   world_settings.pad = blade_edge({}, 0.0, kForce);
   world_settings.pad->trail = trail;
-  World world(kArm, &canvas, world_settings);
+  World world(urdf, &canvas, world_settings);
 
   ImpedanceSettings s = shaped_settings(arm);
+  s.null_space.q_0 = seed;
   s.tip = {0.0, 0.0};
   s.normal_force = kForce;
   s.contact.deepest += world_settings.pad->thickness;
@@ -62,10 +93,9 @@ Cut cut(const PlacedStroke& stroke, double trail, bool lifted, double window,
   s.limits.joint_speed = 0.9 * arm.limits().speed;
   ImpedanceController controller(s, arm.joints());
 
-  const IkResult start = find_posture(arm, {{0.55, 0.0, 0.25}, -Vector3d::UnitZ()},
-                                      working_posture());
+  const IkResult start = find_posture(arm, {{0.55, 0.0, 0.25}, -Vector3d::UnitZ()}, seed);
   EXPECT_TRUE(start.reached);
-  world.set_state(start.q, JointVector::Zero(7));
+  world.set_state(start.q, JointVector::Zero(joints));
   PathSettings path_settings = surfaces::brisk();
   path_settings.start_p_WE = world.state().X_WE.p;
   path_settings.start_n_W = -world.state().X_WE.R.col(2);
@@ -77,14 +107,15 @@ Cut cut(const PlacedStroke& stroke, double trail, bool lifted, double window,
   heading.lifted = lifted;
   heading.start_x_W = world.state().X_WE.R.col(0);
   // The last joint turns about z_E, which is −n.
-  heading.least = start.q[6] - arm.limits().upper[6] + 0.25;
-  heading.most = start.q[6] - arm.limits().lower[6] - 0.25;
+  const int last = joints - 1;
+  heading.least = start.q[last] - arm.limits().upper[last] + 0.25;
+  heading.most = start.q[last] - arm.limits().lower[last] - 0.25;
   const TipPath path = plan_tip_path({stroke}, surfaces::bowl, path_settings);
 
   Cut cut;
   double way = 0.0, square = 0.0, last_along = 0.0, steps = 0.0;
   Wrench F_ext = Wrench::Zero();
-  ArmTerms terms(7);
+  ArmTerms terms(joints);
   for (double t = 0.0; t < path.duration(); t += 1e-3) {
     const PathSample sample = path.at(t);
     arm.compute(world.state().q, world.state().v, &terms);
@@ -187,6 +218,17 @@ TEST(BladeLoop, SwivelsAtTheCornersOfAStar) {
       EXPECT_LT(along.yaw_rms, 2.0 * pi / 180.0) << trail << lifted;
       EXPECT_LT(along.smear, 2e-4) << trail << lifted;
     }
+}
+
+TEST(BladeLoop, OtherArms) {
+  for (const Arm& arm : {kFr3, kUr5e}) {
+    std::printf("%s ", arm.name.c_str());
+    EXPECT_LT(cut(sine(), 0.0, false, 4e-3, 30.0, arm).yaw_rms, 2.0 * pi / 180.0) << arm.name;
+    std::printf("%s ", arm.name.c_str());
+    const Cut along = cut(star(), 1e-3, false, 1e-6, 30.0, arm);
+    EXPECT_LT(along.yaw_rms, 2.0 * pi / 180.0) << arm.name;
+    EXPECT_LT(along.smear, 2e-4) << arm.name;
+  }
 }
 
 // What the test can see: without stiffness about the normal the yaw drifts off.
