@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "impedraw/control/heading.h"
+
 namespace impedraw {
 
 IkResult find_posture(ArmModel& arm, const PenPlacement& desired, const JointVector& seed,
@@ -22,12 +24,16 @@ IkResult find_posture(ArmModel& arm, const PenPlacement& desired, const JointVec
     arm.compute(q, rest, &terms);
     const Eigen::Vector3d z = terms.X_WE.R.col(2);
     const Eigen::Vector3d cross = z.cross(desired.z_WE);
-    const double angle = std::atan2(cross.norm(), z.dot(desired.z_WE));
+    double angle = std::atan2(cross.norm(), z.dot(desired.z_WE));
     // For exactly opposite axes, any normal of z can be the rotation axis.
     const Eigen::Vector3d axis =
         cross.norm() > 1e-12 ? Eigen::Vector3d(cross.normalized()) : terms.X_WE.R.col(0);
     Vector6 e;
     e << desired.p_WE - terms.X_WE.p, angle * axis;
+    if (desired.led()) {
+      e.tail<3>() += yaw_between(terms.X_WE.R.col(0), desired.x_WE, z) * z;
+      angle = e.tail<3>().norm();
+    }
     const double position_error = e.head<3>().norm();
     if (position_error + angle < best) {
       best = position_error + angle;
@@ -40,11 +46,12 @@ IkResult find_posture(ArmModel& arm, const PenPlacement& desired, const JointVec
       break;
     }
     TipJacobian J = terms.J;
-    if (settings.free_spin) J.bottomRows<3>() -= z * (z.transpose() * terms.J.bottomRows<3>());
+    const bool free_spin = settings.free_spin && !desired.led();
+    if (free_spin) J.bottomRows<3>() -= z * (z.transpose() * terms.J.bottomRows<3>());
     const double damping = 1e-12 + 1e-2 * std::min(1.0, best * best);
     Matrix6 A = J * J.transpose() + damping * Matrix6::Identity();
     // A is singular along z, where e is zero.
-    if (settings.free_spin) A.bottomRightCorner<3, 3>() += z * z.transpose();
+    if (free_spin) A.bottomRightCorner<3, 3>() += z * z.transpose();
     const Eigen::LLT<Matrix6> factor(A);
     const JointVector home = settings.posture_gain * (seed - q);
     JointVector dq = J.transpose() * factor.solve(e - J * home) + home;

@@ -1,4 +1,5 @@
-// Inverse kinematics for a pen with given tip position and axis: five degrees of freedom.
+// Inverse kinematics for a pen with given tip position and axis, and maybe heading: five degrees of
+// freedom, or six.
 #pragma once
 
 #include "impedraw/arm/arm_model.h"
@@ -8,6 +9,10 @@ namespace impedraw {
 struct PenPlacement {
   Eigen::Vector3d p_WE;  // desired tip [m]
   Eigen::Vector3d z_WE;  // desired pen axis, unit, out of the tip
+  // Desired heading: x_E, unit, across z; zero: the rotation about the pen is free.
+  Eigen::Vector3d x_WE = Eigen::Vector3d::Zero();
+
+  bool led() const { return x_WE.squaredNorm() > 0.5; }
 };
 
 struct IkSettings {
@@ -23,7 +28,7 @@ struct IkResult {
   JointVector q;  // best posture, within the joint limits
   bool reached = false;
   double position_error = 0.0;  // [m]
-  double axis_error = 0.0;      // [rad]
+  double axis_error = 0.0;      // of the heading, too, where that is led [rad]
 };
 
 // Damped least squares from `seed`, clamped to the joint limits at each step. The redundant joints

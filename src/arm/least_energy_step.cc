@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "impedraw/control/heading.h"
 #include "impedraw/control/normal_tracker.h"
 
 namespace impedraw {
@@ -17,9 +18,11 @@ LeastEnergyStep least_energy_step(const ArmTerms& arm, const Vector6& dx, const 
   return {M_inv_Jt * factor.solve(dx), drift - M_inv_Jt * factor.solve(J * drift)};
 }
 
-Vector6 tip_displacement(const Pose& X_WE, const Eigen::Vector3d& p_W, const Eigen::Vector3d& z_W) {
+Vector6 tip_displacement(const Pose& X_WE, const Eigen::Vector3d& p_W, const Eigen::Vector3d& z_W,
+                         const Eigen::Vector3d& x_W) {
   Vector6 dx;
   dx << p_W - X_WE.p, smallest_rotation(X_WE.R.col(2), z_W);
+  if (!x_W.isZero()) dx.tail<3>() += yaw_between(X_WE.R.col(0), x_W, z_W) * z_W;
   return dx;
 }
 

@@ -74,7 +74,10 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   TipTarget d = contact.on_surface() ? target_on_surface(in, contact, push_.built_up(), settings_)
                                      : target_on_plan(in, contact, settings_);
   const Eigen::Vector3d f_friction = friction_.feedforward(contact, d.V.head<3>());
-  d.V.tail<3>() += heading_rate(arm, space_, range_) * arm.X_WE.R.col(2);
+  if (reference.led())
+    lead_heading(reference, arm.X_WE, impedance_.stiffness().angular.normal, &d);
+  else
+    d.V.tail<3>() += heading_rate(arm, space_, range_) * arm.X_WE.R.col(2);
   out_.status.speed_limited = speed_limit_.apply(arm, space_, impedance_, range_, &d);
 
   // M_d (V̇ − V̇_d) = F_motion + F_push + F_compliant,  F_motion = B (V_d − V) + K e          (1)

@@ -34,7 +34,7 @@
 //   tip_impedance.h  M_d, B and K for this posture
 //   tip_target.h     V_d, V̇_d, K e on the plan or on the surface
 //   normal_push.h    F_push with its slow integral
-//   heading.h        turns the pen about its axis, which is free, away from the ends of ranges
+//   heading.h        turns the pen about its axis: free, away from the ends of ranges, or led
 //   speed_limit.h    tip, turn and joint speeds (Khatib's velocity saturation)
 //   handover.h       keeps the force continuous at a switch of the mode
 //   null_space.h, disturbance.h, joint_damper.h

@@ -18,6 +18,8 @@ TipReference carried(const TipReference& in_K, const FrameMotion& motion) noexce
   const Vector3d total_rate = motion.alpha + motion.w.cross(turn) + R * in_K.alpha_WD;
   out.n_WD = n;
   out.w_WD = total - total.dot(n) * n;
+  out.x_WD = R * in_K.x_WD;
+  out.yaw_rate = in_K.yaw_rate + n.dot(motion.w);
   out.alpha_WD = n.cross(total_rate.cross(n) + total.cross(total.cross(n)));
   return out;
 }

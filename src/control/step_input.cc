@@ -22,6 +22,7 @@ ControlStatus input_status(const ArmTerms& arm, const TipReference& reference,
                arm.Jdot_v.sum() + arm.X_WE.p.sum() + arm.X_WE.R.sum() + arm.V_WE.sum() +
                reference.p_WD.sum() + reference.v_WD.sum() + reference.a_WD.sum() +
                reference.n_WD.sum() + reference.w_WD.sum() + reference.alpha_WD.sum() +
+               reference.x_WD.sum() + reference.yaw_rate + reference.yaw_acceleration +
                reference.force_rate + (reference.force >= 0.0 ? reference.force : NAN);
   if (surface.status == SurfaceStatus::ok) {
     if (!unit(surface.n_W)) return status;

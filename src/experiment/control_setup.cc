@@ -42,6 +42,9 @@ constexpr double kRealObserver = 0.1;
 // Of the forces across a cut, over the modelled ones.
 constexpr double kCutSpread = 1.2;
 
+// Stiffness of a led heading, where no rotational_stiffness_normal is given [Nm/rad].
+constexpr double kHeadingStiffness = 30.0;
+
 // The stiffest pad that the force loop must bear, over the modelled one.
 constexpr double kPadSpread = 2.0;
 
@@ -64,7 +67,8 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
   if (s.arm.driver != ArmDriver::sim)
     settings.timing.loop_delay =
         std::max(settings.timing.loop_delay, s.arm.delay + settings.timing.dt);
-  if (const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force)) {
+  const auto pad = face_of(s);
+  if (pad) {
     // Its face lies on the surface at E, and it is softer than a pen.
     settings.tip = {0.0, 0.0};
     settings.contact.deepest += pad->thickness;
@@ -77,6 +81,18 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
   if (s.control.observer.bandwidth) settings.observer.bandwidth = *s.control.observer.bandwidth;
   const GivenFeltNormal& felt = s.control.felt_normal;
   settings.felt_normal = {felt.share.value_or(0.0), felt.deviation, felt.force_error};
+  if (pad && is_led(s.tool)) {
+    double& stiffness = settings.stiffness.angular.normal;
+    if (!(stiffness > 0.0)) stiffness = kHeadingStiffness;
+    const double most = ImpedanceSettings::Limits::friction.range.highest;
+    settings.friction.coefficient = std::min(most, kCutSpread * pad->friction);
+    settings.felt_normal.share = 0.0;
+    // An edge that stands across its way is pushed aside.
+    if (s.tool.yaw_deg != 0.0)
+      settings.friction.normal_error_deg =
+          std::min(ImpedanceSettings::Limits::normal_error.range.highest,
+                   std::atan(kCutSpread * pad->friction_across) * 180.0 / std::numbers::pi);
+  }
   if (const auto cutter = cutter_of(s.tool)) {
     // What of a measured wrench the cut explains, and how far the push sinks the tip.
     const CutForces cut = cut_forces(*cutter, s.tool.depth, 0.0, s.path.draw_speed);
@@ -189,6 +205,11 @@ ControlSetup make_control_setup(const Scenario& s, const Belief& belief, const P
         {"tool.kind", "control.wrench", "perception.enabled"},
         "tool.kind: an engraver holds its depth by what it feels on a surface that "
         "it sees; valid is a measured control.wrench, and perception.enabled true");
+  if (is_led(s.tool) && (!s.perception.enabled || s.perception.frames.enabled))
+    setting_errors.raise(
+        {"tool.kind", "perception.enabled", "perception.frames.enabled"},
+        "tool.kind: a blade and a roller are led on a surface that is seen and stands; valid is "
+        "perception.enabled true and perception.frames.enabled false");
   setup.sensor =
       setup.source == WrenchSource::realistic ? WrenchSensorSettings::realistic() : s.wrench_sensor;
   setup.estimator =

@@ -48,7 +48,7 @@ Eigen::AlignedBox2d extent_of(const Scenario& s, const Belief& belief, const Pos
   const Pose X_PW = X_WP.inverse();
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector3d& p_W : points) box.extend((X_PW * p_W).head<2>());
-  const double air = 2.0 * s.tool.radius / 5.0;
+  const double air = 2.0 * s.tool.radius.value_or(PadSettings().radius) / 5.0;
   return {box.min().array() - air, box.max().array() + air};
 }
 
@@ -125,7 +125,7 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
   if (!given("path.draw_speed")) s.path.draw_speed = 0.1;
   if (!given("path.draw_acceleration")) s.path.draw_acceleration = 1.0;
   if (!given("path.travel_acceleration")) s.path.travel_acceleration = 1.0;
-  const double r = s.tool.radius, voxel = s.perception.voxel;
+  const double r = s.tool.radius.value_or(PadSettings().radius), voxel = s.perception.voxel;
   NormalSettings& normals = s.perception.normals;
   const int over = static_cast<int>(std::numbers::pi * r * r / (voxel * voxel));
   normals.k = std::max(normals.k, std::min(over, kMostNeighbours));
@@ -140,7 +140,7 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
   if (!pad) errors.raise({"tool.kind"}, "tool.kind: only a pad covers an area; valid is pad");
   const Eigen::AlignedBox2d box = extent_of(s, belief, X_WP);
   const double step =
-      std::max({1e-3, s.tool.radius / 10.0, std::sqrt(box.sizes().prod() / kMostVertices)});
+      std::max({1e-3, pad->radius / 10.0, std::sqrt(box.sizes().prod() / kMostVertices)});
   CoverPlan plan;
   const SurfaceHeight height =
       belief.perception ? perceived_height(belief.perception, X_WP) : belief.surface;

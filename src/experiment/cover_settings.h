@@ -10,16 +10,20 @@
 
 namespace impedraw {
 
-enum class ToolKind { pen, pad, engraver };
+enum class ToolKind { pen, pad, engraver, blade, roller };
+enum class Swivel { spot, lifted };  // of a tool that is led, at corners
 
 struct ToolSettings {
   ToolKind kind = ToolKind::pen;
-  double radius = PadSettings().radius;             // of a pad [m]
+  std::optional<double> radius;                     // of the face; absent: see settings.md [m]
   double foam_stiffness = PadSettings().stiffness;  // [N/m³]
   double depth = 0.3e-3;                            // of an engraver's groove [m]
   double half_angle_deg = 45.0;                     // of its cone
   int passes = 1;                                   // to that depth, after a shallow one
   double hardness = 1.0;                            // of the true material, over the believed one
+  double yaw_deg = 0.0;                             // of what is led, from the line
+  double trail = 0.0;                               // of its face behind the arm's axis [m]
+  Swivel swivel = Swivel::spot;
 
   struct Limits {
     static constexpr Limit radius = PadSettings::Limits::radius;
@@ -28,10 +32,17 @@ struct ToolSettings {
     static constexpr Limit half_angle = {"half_angle", "deg", {10.0, 75.0}};
     static constexpr Limit passes = {"passes", "", {1, 20}};
     static constexpr Limit hardness = {"hardness", "", {0.2, 5.0}};
+    static constexpr Limit yaw = {"yaw", "deg", {-180.0, 180.0}};
+    static constexpr Limit trail = {"trail", "m", {0.0, 0.02}};
   };
 };
 
-// The pad of these settings, which lies level with E under `force` [N]; nothing for a pen.
+// Its heading is led along the lines (blade_plan.h).
+inline bool is_led(const ToolSettings& tool) {
+  return tool.kind == ToolKind::blade || tool.kind == ToolKind::roller;
+}
+
+// The pad of these settings, which lies level with E under `force` [N]; nothing for another tool.
 std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force);
 
 // The cutter of these settings in the believed material; nothing for another tool.

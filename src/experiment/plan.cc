@@ -1,11 +1,13 @@
 #include "impedraw/experiment/plan.h"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
+#include "impedraw/experiment/blade_plan.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/line_forces.h"
 #include "impedraw/experiment/plan_notes.h"
@@ -62,6 +64,11 @@ class Planning {
 
   Plan make() {
     plan_.path_settings = path_settings();
+    if (plan_.path_settings.heading && belief_.arm.joints() == 6)
+      heading_notes_.emplace_back(
+          "six joints: with the tool's heading led no motion is left free, so that joints are not "
+          "kept from the ends of their ranges, nor from the wrist's singular posture; the plan "
+          "leaves out where they would come there");
     const std::vector<StrokePart> lost = lay_on_surface();
     plan_.load = {hardest(s_, artwork_.strokes), s_.control.friction.coefficient,
                   s_.control.torque_share};
@@ -80,6 +87,7 @@ class Planning {
       }
     }
     note_roughness();
+    require_fit(s_, plan_, surface(), setting_errors_);
     note_spread_forces(s_.path, &plan_);
     plan_.pens = drawn_pens();
     require_pen_places();
@@ -130,6 +138,7 @@ class Planning {
   const PrepareProgress& progress_;
   bool seen_;
   double wrap_doubt_ = 0.0;      // [m]
+  std::vector<std::string> heading_notes_;
   std::vector<int> of_artwork_;  // the artwork's number of each promised stroke
   Plan plan_;
 };
@@ -137,6 +146,7 @@ class Planning {
 PathSettings Planning::path_settings() const {
   PathSettings path = s_.path;
   path.X_WP = artwork_.X_WP;
+  path.heading = heading_of(s_, belief_.arm, belief_.start_q);
   // A sensor is tared at rest before anything moves.
   if (has_sensor(s_.control.source))
     path.start_hold = std::max(path.start_hold, s_.control.sensing.tare_time + 1.0);
@@ -189,6 +199,10 @@ std::vector<StrokePart> Planning::lay_on_surface() {
       return plan_.wrap->wrap(artwork_.strokes);
     });
   }
+  if (const auto& heading = plan_.path_settings.heading)
+    laid.strokes = cut_where_turned(std::move(laid.strokes), *heading,
+                                    plan_.path_settings.corner_angle_deg * std::numbers::pi / 180.0,
+                                    &heading_notes_);
   plan_.requested = renumbered(std::move(laid.strokes), &plan_.source);
   if (plan_.wrap) wrap_doubt_ = wrap_doubt(plan_, belief_);
   return std::move(laid.lost);
@@ -255,7 +269,7 @@ void Planning::check(const std::vector<StrokePart>& lost) {
 // Sets the promised strokes to the drawable parts. Findings are thrown, noted or ignored, depending
 // on `unreachable_`.
 void Planning::promise() {
-  plan_.notes.clear();
+  plan_.notes = heading_notes_;
   if (plan_.wrap) note_wrap(wrap_doubt_, &plan_.notes);
   const std::vector<Finding>& findings = plan_.preflight.findings;
   if (!findings.empty() && unreachable_ != Unreachable::tell) {
@@ -398,7 +412,9 @@ bool Planning::leave_out_crawling() {
   const double asked = std::min(s_.preflight.least_speed, 0.5 * plan_.path_settings.draw_speed);
   if (!(asked > 0.0)) return false;
   double least = kCrawling * asked;
-  const bool slow_on_average = plan_.path.mean_speed() < kInHand * asked;
+  // The turns of a led tool at its corners are no crawling.
+  const bool slow_on_average =
+      !plan_.path_settings.heading && plan_.path.mean_speed() < kInHand * asked;
   const std::vector<std::size_t> suspects =
       slow_strokes(plan_.path, slow_on_average ? kInHand * asked : least);
   if (suspects.empty()) return false;

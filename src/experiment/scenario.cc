@@ -7,6 +7,7 @@
 #include "impedraw/planning/describe_path.h"
 #include "impedraw/planning/preflight/describe_preflight.h"
 #include "impedraw/sensing/describe_touch.h"
+#include "impedraw/simulation/blade_law.h"
 #include "impedraw/simulation/describe_world.h"
 
 namespace impedraw {
@@ -263,19 +264,29 @@ void describe(Fields& f, LayerPenSettings& s) {
 
 void describe(Fields& f, ToolSettings& s) {
   using Limits = ToolSettings::Limits;
-  f.choice("kind", s.kind, {"pen", "pad", "engraver"},
+  f.choice("kind", s.kind, {"pen", "pad", "engraver", "blade", "roller"},
            "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
-           "foam. engraver: a turning cone that cuts grooves.");
-  f.field(Limits::radius, s.radius, "Radius of the pad.");
+           "foam. engraver: a turning cone that cuts grooves. blade: an edge that is led along the "
+           "lines. roller: a line across them that rolls.");
+  f.field(Limits::radius, s.radius,
+          "Radius of the pad, half the length of a blade's edge or of a roller; null: 15 mm, and "
+          "for a blade as much as the force sinks into the believed material.");
   f.constant("foam_thickness", PadSettings().thickness, Range::any(), "m");
   f.field(Limits::foam_stiffness, s.foam_stiffness, "Pressure of the foam per compression.");
   f.constant("foam_damping", PadSettings().damping, Range::any(), "N s/m³");
   f.field(Limits::depth, s.depth, "Depth of the engraver's groove below the surface.");
-  f.field(Limits::half_angle, s.half_angle_deg, "Half of the angle of the engraver's cone.");
+  f.field(Limits::half_angle, s.half_angle_deg,
+          "Half of the angle of the engraver's cone; angle of a blade's edge to the surface.");
   f.field(Limits::passes, s.passes,
           "Cuts to that depth, in equal steps, after a shallow one that finds the surface.");
   f.field(Limits::hardness, s.hardness,
           "True cutting forces of the simulated material over the believed ones.");
+  f.field(Limits::yaw, s.yaw_deg,
+          "Angle of a blade or roller from the line, about the surface's normal: a squeegee's 90.");
+  f.field(Limits::trail, s.trail,
+          "How far a blade's edge or a roller trails the arm's axis, as a drag knife's.");
+  f.choice("swivel", s.swivel, {"spot", "lifted"},
+           "How a blade or roller turns at a corner: on the spot, or lifted.");
 }
 
 void describe(Fields& f, CoverSettings& s) {
@@ -365,11 +376,27 @@ bool is_rehearsal(const Scenario& s) {
 std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force) {
   if (tool.kind != ToolKind::pad) return std::nullopt;
   PadSettings pad;
-  pad.radius = tool.radius;
+  pad.radius = tool.radius.value_or(pad.radius);
   pad.stiffness = tool.foam_stiffness;
   pad.friction = friction;
   pad.rest = force / (pad.stiffness * pad.area());
   return pad;
+}
+
+std::optional<PadSettings> face_of(const Scenario& s) {
+  const double force = s.control.normal_force;
+  if (s.tool.kind == ToolKind::blade) {
+    BladeSettings blade;
+    blade.angle = s.tool.half_angle_deg * std::numbers::pi / 180.0;
+    PadSettings edge = blade_edge(blade, s.tool.radius.value_or(0.0), force);
+    edge.trail = s.tool.trail;
+    return edge;
+  }
+  ToolSettings pad = s.tool;
+  if (is_led(s.tool)) pad.kind = ToolKind::pad;
+  std::optional<PadSettings> face = pad_of(pad, s.world.tip.friction, force);
+  if (face && is_led(s.tool)) *face = roller_line(*face, s.tool.trail, force);
+  return face;
 }
 
 std::optional<CutterSettings> cutter_of(const ToolSettings& tool) {

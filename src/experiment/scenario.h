@@ -291,6 +291,10 @@ struct Scenario {
 // The simulated world is made of what was seen: there is no truth to judge against.
 bool is_rehearsal(const Scenario& scenario);
 
+// What touches with a face, which lies level with E under control.normal_force: a pad, the edge of
+// a blade in the believed material, a roller. Nothing for a pen and an engraver.
+std::optional<PadSettings> face_of(const Scenario& scenario);
+
 void describe(Fields& f, Scenario& s);
 
 }  // namespace impedraw

@@ -290,7 +290,11 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
         "included; ink and force are judged against that, not against the real object");
   check_joint_settings(s, urdf, arm, setting_errors);
   WorldSettings settings = s.world;
-  settings.pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);
+  settings.pad = face_of(s);
+  if (settings.pad && is_led(s.tool)) {
+    settings.pad->stiffness *= s.tool.hardness;
+    settings.pad->damping *= s.tool.hardness;
+  }
   settings.cutter = cutter_of(s.tool);
   if (settings.cutter) settings.cutter->hardness = s.tool.hardness;
   settings.flange_sensor = has_sensor(s.control.source);
@@ -352,7 +356,7 @@ std::string made_of(const Scenario& s) {
   read.world = s.world;
   read.blind = s.blind;
   read.tool = s.tool;
-  if (s.tool.kind == ToolKind::pad) read.control.normal_force = s.control.normal_force;
+  if (face_of(s)) read.control.normal_force = s.control.normal_force;
   read.drawing.tilt_deg = s.drawing.tilt_deg;
   std::string files = stamp_of(urdf_of(s.arm));
   // A mesh may be put under the drawing's centre, and an arm starts where it leads there.

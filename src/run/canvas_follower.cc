@@ -36,7 +36,7 @@ TipReference CanvasFollower::in_world(const TipReference& reference) const noexc
   in_K.p_WD = X_KW * reference.p_WD;
   for (Eigen::Vector3d TipReference::*member :
        {&TipReference::v_WD, &TipReference::a_WD, &TipReference::n_WD, &TipReference::w_WD,
-        &TipReference::alpha_WD})
+        &TipReference::alpha_WD, &TipReference::x_WD})
     in_K.*member = X_KW.R * in_K.*member;
   return between(carried(in_K, estimate_.motion), reference, std::max(0.0, since / duration_),
                  duration_);

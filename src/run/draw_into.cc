@@ -19,6 +19,7 @@
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
+#include "impedraw/run/tool_judge.h"
 #include "impedraw/terminal/clock.h"
 #include "impedraw/terminal/go_ahead.h"
 #include "impedraw/terminal/progress.h"
@@ -186,19 +187,18 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
   std::optional<Resumption> resumption;
   if (resume) resumption = resumption_in(folder, experiment);
   require_room(folder, experiment, resumption);
-  std::optional<GrooveJudge> groove;
-  if (experiment.scenario.tool.kind == ToolKind::engraver) groove.emplace(experiment);
-  if (groove && resumption)
-    visit_rows(folder / "run.h5", [&groove](const LogRow& row) { groove->add(row); });
+  const std::unique_ptr<ToolJudge> judge = tool_judge(experiment);
+  if (judge && resumption)
+    visit_rows(folder / "run.h5", [&judge](const LogRow& row) { judge->add(row); });
   Drawing drawing;
   {
     Interrupt interrupt;
     ProgressLine line;
     RunHooks hooks;
     hooks.row = watch.row;
-    if (groove)
+    if (judge)
       hooks.row = [&](const LogRow& row) {
-        groove->add(row);
+        judge->add(row);
         if (watch.row) watch.row(row);
       };
     hooks.emergency = [&] {
@@ -236,7 +236,7 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
     hooks.begun = [&] {
       for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
                                 "ink_page.svg", "ink_page.png", "strokes.json", "incident.html",
-                                kPenFile, kCoverFile, kGrooveFile, "cover.svg", "cover.png"})
+                                kPenFile, kCoverFile, kGrooveFile, kBladeFile, "cover.svg", "cover.png"})
         if (is_own_file(folder / stale)) fs::remove(folder / stale);
       if (!resumption) write_inputs(folder, experiment.scenario, experiment.inputs);
       if (watch.begun) watch.begun();
@@ -278,7 +278,7 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
   if (!drawing.outcome.not_real_time.empty())
     say(stderr, "note: arm.real_time: {}\n", drawing.outcome.not_real_time);
   write_strokes(folder, experiment, drawing.outcome);
-  if (groove) write_whole(folder / kGrooveFile, groove->results().dump(2) + "\n");
+  if (judge) write_whole(folder / judge->file(), judge->results().dump(2) + "\n");
   if (watch.ended) watch.ended();
   drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork, check,
                                   experiment.yardstick.surface.get());

@@ -130,7 +130,7 @@ JointForecast::JointForecast(ArmModel arm, const TipPath& path, const JointVecto
       const TipReference r = path.at(t + k * dt).reference;
       arm.compute(q, JointVector::Zero(q.size()), &terms);
       const LeastEnergyStep least =
-          least_energy_step(terms, tip_displacement(terms.X_WE, r.p_WD, -r.n_WD),
+          least_energy_step(terms, tip_displacement(terms.X_WE, r.p_WD, -r.n_WD, r.x_WD),
                             relax * weight.cwiseProduct(rest_q - q), 1e-6);
       // The clock slows the task's part alone.
       const JointVector& task = least.task;

@@ -48,6 +48,9 @@ TipReference PlanClock::scaled(TipReference reference) const noexcept {
   if (rate_ == 1.0 && slope_ == 0.0) return reference;
   reference.a_WD = rate_ * rate_ * reference.a_WD + slope_ * reference.v_WD;
   reference.alpha_WD = rate_ * rate_ * reference.alpha_WD + slope_ * reference.w_WD;
+  reference.yaw_acceleration =
+      rate_ * rate_ * reference.yaw_acceleration + slope_ * reference.yaw_rate;
+  reference.yaw_rate *= rate_;
   reference.v_WD *= rate_;
   reference.force_rate *= rate_;
   reference.w_WD *= rate_;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "impedraw/experiment/blade_plan.h"
+
 namespace impedraw {
 
 bool overlaps(const StrokePart& part, const std::vector<StrokePart>& others) {
@@ -32,8 +34,11 @@ std::vector<StrokePart> remaining(const Experiment& e, const InkWatch& ink,
 }
 
 TipPath path_for(const Experiment& e, const std::vector<StrokePart>& parts,
-                 const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold) {
-  return plan_from(e.plan.path_settings, e.surface(), strokes_of(e, parts), p_KE, n_K, hold,
+                 const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold,
+                 const JointVector* q) {
+  PathSettings settings = e.plan.path_settings;
+  if (q) settings.heading = heading_of(e.scenario, e.belief.arm, *q);
+  return plan_from(settings, e.surface(), strokes_of(e, parts), p_KE, n_K, hold,
                    stroke_limits(e.belief, e.plan, e.plan.path_settings));
 }
 
@@ -47,9 +52,10 @@ void take_out(const Experiment& e, const OffSurface& off, std::vector<StrokePart
 }
 
 TipPath path_without_misses(const Experiment& e, std::vector<StrokePart>* parts,
-                            const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold) {
+                            const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold,
+                            const JointVector* q) {
   return without_misses(e, parts, [&](const std::vector<StrokePart>& left) {
-    return left.empty() ? TipPath{} : path_for(e, left, p_KE, n_K, hold);
+    return left.empty() ? TipPath{} : path_for(e, left, p_KE, n_K, hold, q);
   });
 }
 
@@ -61,7 +67,7 @@ std::optional<TipPath> path_around(const Experiment& e, const JointVector& q, co
   checks.height_error = height_error(e.belief);
   while (true) {
     std::vector<StrokePart> parts = remaining(e, ink, blocked->parts());
-    TipPath path = path_without_misses(e, &parts, X_KE.p, -X_KE.R.col(2), 0.0);
+    TipPath path = path_without_misses(e, &parts, X_KE.p, -X_KE.R.col(2), 0.0, &q);
     if (parts.empty()) return std::nullopt;
     if (!e.scenario.preflight.arm) return path;
     std::vector<PlacedStroke> strokes = strokes_of(e, parts);

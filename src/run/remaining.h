@@ -91,9 +91,11 @@ std::vector<StrokePart> remaining(const Experiment& experiment, const InkWatch& 
                                   const std::vector<StrokePart>& given_up = {});
 
 // A path for the parts, from the tip's pose in K: at p_KE, with the normal n_K. `hold`: time before
-// the first motion [s]. Throws OffSurface where the surface has ended.
+// the first motion [s]; q: the posture, for a led heading, else that of the start. Throws OffSurface
+// where the surface has ended.
 TipPath path_for(const Experiment& experiment, const std::vector<StrokePart>& parts,
-                 const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold);
+                 const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold,
+                 const JointVector* q = nullptr);
 
 // Takes the place that was off the surface out of the parts. Called while `off` is handled; throws
 // it again if nothing is taken out.
@@ -114,7 +116,8 @@ auto without_misses(const Experiment& e, std::vector<StrokePart>* parts, PlanPar
 
 // path_for() without what it would miss. Empty if nothing is left.
 TipPath path_without_misses(const Experiment& experiment, std::vector<StrokePart>* parts,
-                            const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold);
+                            const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold,
+                            const JointVector* q = nullptr);
 
 // A path for what remains, from the posture q with the tip at X_KE. Its ways are others than those
 // that were checked before the run: a stroke that they cannot reach is blocked, too. Nothing: no

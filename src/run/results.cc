@@ -1,7 +1,6 @@
 #include "impedraw/run/results.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <future>
 
@@ -10,6 +9,7 @@
 #include "impedraw/experiment/page_context.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/report/report.h"
+#include "impedraw/run/tool_judge.h"
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
@@ -32,10 +32,10 @@ std::vector<std::vector<Eigen::Vector3d>> left_out_in(const std::filesystem::pat
   return lines;
 }
 
-// Where an area was covered or a groove cut, the metrics of its file come first.
+// Where an area was covered, a groove cut or a blade led, the metrics of its file come first.
 void write_metrics(const std::filesystem::path& folder, const Metrics& metrics) {
   nlohmann::ordered_json all = nlohmann::ordered_json::object();
-  for (const char* const file : {kCoverFile, kGrooveFile}) {
+  for (const char* const file : {kCoverFile, kGrooveFile, kBladeFile}) {
     std::ifstream in(folder / file);
     const auto judged = nlohmann::ordered_json::parse(in, nullptr, false);
     if (judged.is_object() && judged.contains("metrics")) all.update(judged["metrics"]);
@@ -97,48 +97,6 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
 
 std::string draw_again(const std::filesystem::path& folder) {
   return as_called("./impedraw draw ") + (folder / "scenario.yaml").string();
-}
-
-GrooveJudge::GrooveJudge(const Experiment& e)
-    : lines_(
-          std::max(1, static_cast<int>(e.plan.strokes.size() / depths_of(e.scenario.tool).size()))),
-      asked_(e.scenario.tool.depth),
-      depth_(static_cast<std::size_t>(lines_)) {
-  for (const PlacedStroke& stroke : e.plan.strokes) {
-    std::vector<double>& line = depth_[static_cast<std::size_t>(stroke.number % lines_)];
-    const double end = stroke.start + plane_length(stroke);
-    if (line.empty()) line.resize(static_cast<std::size_t>(stroke.start / kBin), LogRow::kNone);
-    line.resize(std::max(line.size(), static_cast<std::size_t>(std::ceil(end / kBin))), 0.0);
-  }
-}
-
-void GrooveJudge::add(const LogRow& row) {
-  if (row.stroke < 0 || !row.contact_point.allFinite() || !std::isfinite(row.stroke_along)) return;
-  std::vector<double>& line = depth_[static_cast<std::size_t>(row.stroke % lines_)];
-  const auto bin = static_cast<std::size_t>(std::max(0.0, row.stroke_along) / kBin);
-  const Eigen::Vector3d to_surface = row.contact_point_W() - row.tip_position;
-  if (bin < line.size()) line[bin] = std::max(line[bin], row.contact_normal_W().dot(to_surface));
-}
-
-nlohmann::ordered_json GrooveJudge::results() const {
-  double count = 0.0, sum = 0.0, square = 0.0, most = 0.0;
-  for (const std::vector<double>& line : depth_)
-    for (const double depth : line) {
-      if (!std::isfinite(depth)) continue;
-      count += 1.0;
-      sum += depth;
-      square += (depth - asked_) * (depth - asked_);
-      most = std::max(most, std::abs(depth - asked_));
-    }
-  nlohmann::ordered_json out;
-  for (const char* name : {"depth_error_rms", "depth_error_max", "depth_mean"})
-    out["metrics"][name] = nullptr;
-  if (count > 0.0)
-    out["metrics"] = {{"depth_error_rms", 1e3 * std::sqrt(square / count)},
-                      {"depth_error_max", 1e3 * most},
-                      {"depth_mean", 1e3 * sum / count}};
-  out["depth_asked_mm"] = 1e3 * asked_;
-  return out;
 }
 
 }  // namespace impedraw

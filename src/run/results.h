@@ -16,28 +16,6 @@
 
 namespace impedraw {
 
-// How deep a cutter's groove became, by the truth, place by place along the lines.
-//
-// d = n·(p_C − p_E) at every step in contact, on a line; the groove is as deep as the cutter has
-// been within kBin, in any pass. A place of a promised line that nothing cut has the depth 0.
-
-inline constexpr const char* kGrooveFile = "groove.json";
-
-class GrooveJudge {
- public:
-  static constexpr double kBin = 2e-4;  // [m]
-
-  explicit GrooveJudge(const Experiment& experiment);
-  void add(const LogRow& row);
-  // depth_error_rms, depth_error_max and depth_mean [mm], under "metrics"; null without a line.
-  nlohmann::ordered_json results() const;
-
- private:
-  int lines_;                               // of one pass
-  double asked_;                            // [m]
-  std::vector<std::vector<double>> depth_;  // of each line, at each of its places [m]
-};
-
 class Canvas;
 
 // Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5.

@@ -40,7 +40,8 @@ std::unique_ptr<DrawingTask> drawing_of(const Experiment& e, const Driver& drive
   if (!resumption) return std::make_unique<StandingDrawing>(e, e.plan.path);
   const Pose X_WE = ArmModel(e.belief.arm).tip_pose(resumption->q);
   return std::make_unique<StandingDrawing>(
-      e, path_without_misses(e, &left, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold));
+      e, path_without_misses(e, &left, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold,
+                             &resumption->q));
 }
 
 // The pen that is in at first: the one that draws first, or drew last.
@@ -74,9 +75,9 @@ bool writes(const Experiment& e, ContactMode mode, double normal_force, double p
   // touches.
   const double asked = push > 0.0 ? push : control.normal_force;
   const ToolKind tool = e.scenario.tool.kind;
-  const double least = tool == ToolKind::pen   ? InkWatch::least_force(asked)
-                       : tool == ToolKind::pad ? 0.9 * asked
-                                               : 0.0;
+  const double least = tool == ToolKind::pad        ? 0.9 * asked
+                       : tool == ToolKind::engraver ? 0.0
+                                                    : InkWatch::least_force(asked);
   if (measured && !(normal_force >= least)) return false;
   // Blind, the law has no contact state. Without a wrench too, contact is unknown.
   return !e.belief.estimates_surface() || mode == ContactMode::contact;

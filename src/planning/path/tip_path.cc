@@ -51,6 +51,41 @@ double TipPath::pen_down_length() const noexcept {
   return sum;
 }
 
+// Heading of a leg, and what E's place differs by; in P.
+void TipPath::lead(const PathLeg& leg, double since, TipReference* r) const noexcept {
+  const ToolHeading& heading = *parts_.heading;
+  const Vector3d n = r->n_WD;
+  if (leg.spline >= 0) {
+    constexpr double kNear = 2.5e-4;  // [m]
+    const auto& [line, progress] = parts_.splines[leg.spline];
+    const SpeedState along = progress.at(since);
+    const SplineHeading here = heading_at(line.at(along.x));
+    const double before = std::max(0.0, along.x - kNear),
+                 after = std::min(line.length(), along.x + kNear);
+    const double bend =
+        (heading_at(line.at(after)).turn - heading_at(line.at(before)).turn) / (after - before);
+    r->x_WD = turned_about(n, here.t, heading.yaw);
+    r->yaw_rate = here.turn * along.speed;
+    r->yaw_acceleration = here.turn * along.acceleration + bend * along.speed * along.speed;
+  } else {
+    const PathSpin& turned = parts_.spins[leg.spin];
+    const SpeedState spin = rest_to_rest(turned.progress, parts_.smoothing_time, since);
+    const double way = turned.back ? -1.0 : 1.0;
+    Vector3d x = turned.x;
+    if (leg.turn >= 0) {
+      const auto& [axis, progress] = parts_.turns[leg.turn];
+      x = Eigen::AngleAxisd(rest_to_rest(progress, parts_.smoothing_time, since).x, axis) * x;
+    }
+    r->x_WD = turned_about(n, x, way * spin.x);
+    r->yaw_rate = way * spin.speed;
+    r->yaw_acceleration = way * spin.acceleration;
+  }
+  const Vector3d w = r->w_WD + r->yaw_rate * n, lever = heading.trail * r->x_WD;
+  r->p_WD += lever;
+  r->v_WD += w.cross(lever);
+  r->a_WD += (r->alpha_WD + r->yaw_acceleration * n).cross(lever);
+}
+
 PathSample TipPath::at(double t) const noexcept {
   PathSample sample;
   if (parts_.legs.empty()) return sample;
@@ -109,9 +144,11 @@ PathSample TipPath::at(double t) const noexcept {
     reference.w_WD = turn.speed * axis;
     reference.alpha_WD = turn.acceleration * axis;
   }
+  if (parts_.heading) lead(leg, since, &reference);
   reference.p_WD = X_WP_.p + X_WP_.R * reference.p_WD;
   for (Eigen::Vector3d* v :
-       {&reference.v_WD, &reference.a_WD, &reference.n_WD, &reference.w_WD, &reference.alpha_WD})
+       {&reference.v_WD, &reference.a_WD, &reference.n_WD, &reference.w_WD, &reference.alpha_WD,
+        &reference.x_WD})
     *v = X_WP_.R * *v;
   return sample;
 }

@@ -13,6 +13,9 @@
 // While the pen is down, its force is that of the stroke where it is (force_profile.h), or none of
 // its own; force_rate is the exact derivative.
 //
+// A tool's heading may be led (tool_heading.h). p then is E's, and not that of what follows the
+// stroke; dψ/du is differenced for the yaw's acceleration, and a is exact but for trail ω × (ω × x).
+//
 // v and a are the exact derivatives of p, as w and alpha are of n. v, w and a are continuous,
 // corners and stops included. Speeds and accelerations always stay within their limits. Along a
 // stroke, both are measured on the surface, in 3D.
@@ -20,6 +23,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "impedraw/common/pose.h"
@@ -27,6 +31,7 @@
 #include "impedraw/planning/path/force_profile.h"
 #include "impedraw/planning/path/path_spline.h"
 #include "impedraw/planning/path/speed_profile.h"
+#include "impedraw/planning/path/tool_heading.h"
 
 namespace impedraw {
 
@@ -59,7 +64,7 @@ struct PathLeg {
   Eigen::Vector3d n = Eigen::Vector3d::UnitZ();
   int stroke = -1;   // in the order of the path
   int pressed = -1;  // ≥ 0: the pen has the force of that stroke: of `along`, or the spline's
-  int spline = -1, move = -1, turn = -1;  // ≥ 0: of PathParts; a spline is moved by p
+  int spline = -1, move = -1, turn = -1, spin = -1;  // ≥ 0: of PathParts; a spline is moved by p
   Phase phase = Phase::travel;
   bool pen_down = false;
   bool pause = false;        // begins with a pause
@@ -70,6 +75,13 @@ struct PathMove {
   Eigen::Vector3d direction;
   SpeedSpan progress;
 };
+// Of a led heading, off the splines: x at the leg's start, which n carries along, and its turn
+// about n, the other way round if `back`.
+struct PathSpin {
+  Eigen::Vector3d x;
+  SpeedSpan progress{};  // [rad]
+  bool back = false;
+};
 // A smooth line on the surface, and how the pen moves along it.
 struct TimedSpline {
   PathSpline line;
@@ -78,8 +90,10 @@ struct TimedSpline {
 struct PathParts {
   std::vector<PathLeg> legs;
   std::vector<PathMove> moves, turns;
+  std::vector<PathSpin> spins;  // of every leg, or none
   std::vector<TimedSpline> splines;
-  double smoothing_time = 0;  // of moves and turns [s]
+  std::optional<ToolHeading> heading;
+  double smoothing_time = 0;  // of moves, turns and spins [s]
   double duration = 0;        // of all legs [s]
 };
 
@@ -102,6 +116,8 @@ class TipPath {
   double pen_down_length() const noexcept;  // total over all strokes, on the surface [m]
 
  private:
+  void lead(const PathLeg& leg, double since, TipReference* reference) const noexcept;
+
   PathParts parts_;
   std::vector<double> pauses_;  // [s]
   std::vector<StrokeTimes> strokes_;

@@ -40,6 +40,10 @@ class Planner {
         p_(settings.X_WP.R.transpose() * (settings.start_p_WE - settings.X_WP.p)),
         n_(settings.X_WP.R.transpose() * settings.start_n_W) {
     if (s_.vertical_pen) n_ = Vector3d::UnitZ();
+    if (!s_.heading) return;
+    x_ = settings.X_WP.R.transpose() * s_.heading->start_x_W;
+    x_ = (x_ - n_ * n_.dot(x_)).normalized();
+    p_ -= s_.heading->trail * x_;
   }
 
   TipPath plan(std::vector<FittedStroke> strokes) {
@@ -50,11 +54,13 @@ class Planner {
     parts_.turns.reserve(kTurns * strokes.size());
     parts_.splines.reserve(strokes.size());
     parts_.smoothing_time = s_.smoothing_time;
+    parts_.heading = s_.heading;
     hold(s_.start_hold, Phase::travel, -1, false);
     for (std::size_t i = 0; i < strokes.size(); ++i) {
       const Vector3d n = normal(strokes[i].first);
       const Vector3d first = strokes[i].first.p_P, hover = first + s_.hover_height * n;
       wait(strokes[i]);
+      if (s_.heading && !strokes[i].parts.empty()) turn_on_the_way(strokes[i].parts.front(), n);
       travel_to(above(hover, n), hover, n);
       pressed_ = strokes[i].force.empty() ? -1 : static_cast<int>(i);
       along_ = strokes[i].from;
@@ -77,6 +83,51 @@ class Planner {
   }
 
  private:
+  static Vector3d carried(const Vector3d& x, const Vector3d& from, const Vector3d& to) {
+    return Eigen::Quaterniond::FromTwoVectors(from, to) * x;
+  }
+
+  // The turn about n that the heading x needs before the part.
+  double spin_to(const PathSpline& part, const Vector3d& x) const {
+    const SplinePoint first = part.at(0.0);
+    const Vector3d wanted = turned_about(first.n, heading_at(first).t, s_.heading->yaw);
+    const double shortest = std::atan2(first.n.dot(x.cross(wanted)), x.dot(wanted));
+    const Turning turning = turning_of(part);
+    double best = shortest, best_beyond = 1e9;
+    for (const double by : {shortest, shortest - 2.0 * std::numbers::pi * (shortest > 0 ? 1 : -1),
+                            shortest + 2.0 * std::numbers::pi * (shortest > 0 ? 1 : -1)}) {
+      const double to = turned_ + by;
+      const double beyond = std::max(
+          {0.0, s_.heading->least - to - turning.least, to + turning.most - s_.heading->most});
+      if (beyond < best_beyond - 1e-9) best = by, best_beyond = beyond;
+    }
+    return best;
+  }
+
+  // Sets the turn of the next move that travels, for a stroke that begins with the part.
+  void turn_on_the_way(const PathSpline& part, const Vector3d& n) {
+    Vector3d x = x_, from = n_;
+    for (const Vector3d& to : {p_.z() < safe_z_ ? righted(n_) : n_, righted(n), n}) {
+      x = carried(x, from, to);
+      from = to;
+    }
+    spin_ = spin_to(part, x);
+  }
+
+  // At a corner, before the part.
+  void turn_at_corner(const PathSpline& part, int index) {
+    const double spin = spin_to(part, x_);
+    const Vector3d corner = p_;
+    if (s_.heading->lifted)
+      move(corner + s_.hover_height * n_, n_, Phase::lift, s_.travel_speed, s_.travel_acceleration);
+    spin_ = spin;
+    move(p_, n_, s_.heading->lifted ? Phase::travel : Phase::draw, 1.0, 1.0, !s_.heading->lifted);
+    if (s_.heading->lifted)
+      approach(corner);
+    else if (!parts_.legs.empty())
+      parts_.legs.back().stroke = index;
+  }
+
   Vector3d normal(const SurfaceSample& sample) const {
     return s_.vertical_pen ? Vector3d(Vector3d::UnitZ()) : sample.n_P.normalized();
   }
@@ -123,6 +174,10 @@ class Planner {
     leg.along = along_;
     leg.p = p_;
     leg.n = n_;
+    if (s_.heading) {
+      leg.spin = static_cast<int>(parts_.spins.size());
+      parts_.spins.push_back({.x = x_});
+    }
     return leg;
   }
 
@@ -132,7 +187,10 @@ class Planner {
     const Vector3d way = q - p_;
     const Vector3d across = n_.cross(n);
     const double angle = std::atan2(across.norm(), n_.dot(n));
-    if (way.norm() < kStill && angle < kStill) return;
+    const double spin = phase == Phase::lift || phase == Phase::approach || std::abs(spin_) < kStill
+                            ? 0.0
+                            : std::exchange(spin_, 0.0);
+    if (way.norm() < kStill && angle < kStill && spin == 0.0) return;
     PathLeg& leg = add(phase, pen_down);
     double duration = 0.0;  // [s]
     if (way.norm() >= kStill) {
@@ -140,13 +198,22 @@ class Planner {
       parts_.moves.push_back({way.normalized(), {way.norm(), speed, acceleration}});
       duration = rest_to_rest_duration(parts_.moves.back().progress, s_.smoothing_time);
     }
+    Vector3d axis = Vector3d::UnitX();
     if (angle >= kStill) {
+      axis = across.norm() > 1e-9 ? across.normalized() : n_.unitOrthogonal();
       leg.turn = static_cast<int>(parts_.turns.size());
-      parts_.turns.push_back({across.norm() > 1e-9 ? across.normalized() : n_.unitOrthogonal(),
-                              {angle, s_.turn_speed, s_.turn_acceleration}});
+      parts_.turns.push_back({axis, {angle, s_.turn_speed, s_.turn_acceleration}});
       duration = std::max(
           duration, rest_to_rest_duration(parts_.turns.back().progress, s_.smoothing_time));
     }
+    if (spin != 0.0) {
+      PathSpin& turned = parts_.spins[leg.spin];
+      turned.progress = {std::abs(spin), s_.turn_speed, s_.turn_acceleration};
+      turned.back = spin < 0.0;
+      turned_ += spin;
+      duration = std::max(duration, rest_to_rest_duration(turned.progress, s_.smoothing_time));
+    }
+    if (s_.heading) x_ = turned_about(n, Eigen::AngleAxisd(angle, axis) * x_, spin);
     parts_.duration += duration;
     p_ = q;
     n_ = n;
@@ -182,12 +249,20 @@ class Planner {
   void draw(FittedStroke& stroke, int index) {
     if (stroke.parts.empty()) hold(s_.dot_time, Phase::draw, index, true);
     for (PathSpline& part : stroke.parts) {
+      if (s_.heading && &part != &stroke.parts.front()) turn_at_corner(part, index);
       PathLeg& leg = add(Phase::draw, true);
       leg.stroke = index;
       leg.p = -sunk();
       leg.spline = static_cast<int>(parts_.splines.size());
       leg.fixed_normal = s_.vertical_pen;
-      p_ = part.at(part.length()).p - sunk();
+      const SplinePoint last = part.at(part.length());
+      p_ = last.p - sunk();
+      along_ = last.along;
+      if (s_.heading) {
+        n_ = last.n;
+        x_ = turned_about(n_, heading_at(last).t, s_.heading->yaw);
+        turned_ += turning_of(part).total;
+      }
       SpeedProfile progress =
           drawing_profile(part, stroke.speed > 0.0 ? stroke.speed : s_.draw_speed);
       parts_.duration += progress.duration();
@@ -230,9 +305,29 @@ class Planner {
       const double tilt =
           turn > 0 && !s_.vertical_pen ? (s_.tilt_acceleration - turn_bend * v * v) / turn : 1e9;
       spans.push_back({part.end(i) - part.start(i), v, std::min(a, tilt)});
+      if (s_.heading) keep_turn_speed(part, i, &spans.back());
     }
     if (limits_) limits_(part, &spans);
     return SpeedProfile(std::move(spans), s_.smoothing_time);
+  }
+
+  // |dψ/du| u̇ ≤ turn_speed,  |d²ψ/du² u̇² + dψ/du ü| ≤ turn_acceleration
+  void keep_turn_speed(const PathSpline& part, std::size_t span, SpeedSpan* limit) const {
+    constexpr int kLooks = 4;
+    const double from = part.start(span), du = (part.end(span) - from) / kLooks;
+    double turn = 0.0, bend = 0.0, before = 0.0;
+    for (int k = 0; k <= kLooks; ++k) {
+      const double here = heading_at(part.at(from + k * du)).turn;
+      turn = std::max(turn, std::abs(here));
+      if (k > 0) bend = std::max(bend, std::abs(here - before) / du);
+      before = here;
+    }
+    if (turn > 0.0) limit->speed = std::min(limit->speed, s_.turn_speed / turn);
+    if (bend > 0.0)
+      limit->speed =
+          std::min(limit->speed, std::sqrt(kCentripetalShare * s_.turn_acceleration / bend));
+    const double left = s_.turn_acceleration - bend * limit->speed * limit->speed;
+    if (turn > 0.0) limit->acceleration = std::min(limit->acceleration, left / turn);
   }
 
   void lift() {
@@ -248,6 +343,9 @@ class Planner {
   int pressed_ = -1;    // stroke whose force the pen has
   double along_ = 0.0;  // where the pen is on its stroke [m]
   Vector3d p_, n_;
+  Vector3d x_ = Vector3d::Zero();  // led heading
+  double turned_ = 0.0;            // about n, since t = 0 [rad]
+  double spin_ = 0.0;              // that the next move turns the tool by, on its way [rad]
   PathParts parts_;
 };
 

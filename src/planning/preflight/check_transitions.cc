@@ -93,15 +93,18 @@ std::vector<Finding> check_transitions(const TipPath& path,
   };
 
   std::optional<Posture> last;
-  Vector3d asked_p = Vector3d::Zero(), asked_n = Vector3d::UnitZ();
+  Vector3d asked_p = Vector3d::Zero(), asked_n = Vector3d::UnitZ(),
+           asked_x = Vector3d::UnitX();
   bool was_way = false;
   const auto ask = [&](double t) {
     const PathSample sample = path.at(t);
-    const Vector3d p = sample.reference.p_WD, n = sample.reference.n_WD;
+    const Vector3d p = sample.reference.p_WD, n = sample.reference.n_WD, x = sample.reference.x_WD;
     const bool way = sample.phase != Phase::draw;
     const bool change = way != was_way;
     was_way = way;
-    const double moved = (p - asked_p).norm(), turned = angle_between(n, asked_n);
+    const double moved = (p - asked_p).norm(),
+                 turned = angle_between(n, asked_n) +
+                          (sample.reference.led() ? angle_between(x, asked_x) : 0.0);
     if (last && !change && moved < kStep && turned < kTurn) return;
     while (next < path.strokes().size() && path.strokes()[next].end <= t) {
       ++next;
@@ -113,7 +116,7 @@ std::vector<Finding> check_transitions(const TipPath& path,
     check.asked.pen = !(below && below->distance < kTipFree);
     // A path may run beneath the surface: a set-point that presses, a coarse cloud.
     const bool beneath = sample.stroke >= 0 && below && below->distance < 0.0;
-    const PenPlacement pen{beneath ? below->p_W : p, -n};
+    const PenPlacement pen{beneath ? below->p_W : p, -n, x};
     PostureCheck& here = sample.stroke < 0 ? check : along_strokes;
     Posture posture = last ? here.follow(pen, *last, moved) : check.begin(pen, start_q);
     if (sample.stroke >= 0 && posture.problem)
@@ -141,6 +144,7 @@ std::vector<Finding> check_transitions(const TipPath& path,
     last = std::move(posture);
     asked_p = p;
     asked_n = n;
+    asked_x = x;
   };
   long looks = 0;
   for (double t = 0; t < path.duration(); t += kLook) {

@@ -25,6 +25,7 @@ JointRates::JointRates(const ArmModel& arm, const PathSettings& settings,
     : arm_(arm),
       X_WP_(settings.X_WP),
       vertical_pen_(settings.vertical_pen),
+      yaw_(settings.heading ? std::optional(settings.heading->yaw) : std::nullopt),
       limit_(settings.joint_speed_share * arm.limits().speed),
       acceleration_(settings.joint_acceleration),
       torque_(settings.joint_torque_share * load.torque_share * arm.limits().torque),
@@ -41,11 +42,13 @@ bool JointRates::follow(const SplinePoint& at, double moved) {
   constexpr double kReached = 1e-7;  // [m], [rad]
   const Eigen::Vector3d n = vertical_pen_ ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : at.n;
   const Eigen::Vector3d p_W = X_WP_ * at.p, z_W = -(X_WP_.R * n);
+  Eigen::Vector3d x_W = Eigen::Vector3d::Zero();
+  if (yaw_) x_W = X_WP_.R * turned_about(n, heading_at(at).t, *yaw_);
   JointVector q = q_;
   double relax = 1.0 - std::exp(-moved / kRelax);
   for (int i = 0; i < kMostSteps; ++i) {
     arm_.compute(q, JointVector::Zero(q.size()), &terms_);
-    const Vector6 off = tip_displacement(terms_.X_WE, p_W, z_W);
+    const Vector6 off = tip_displacement(terms_.X_WE, p_W, z_W, x_W);
     if (i > 0 && off.cwiseAbs().maxCoeff() < kReached) {
       q_ = q;
       return true;
@@ -64,7 +67,8 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
   // The arm comes from elsewhere, and settles.
   const SplinePoint first = spline.at(0.0);
   const Eigen::Vector3d n = vertical_pen_ ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : first.n;
-  const PenPlacement at_first{X_WP_ * first.p, -(X_WP_.R * n)};
+  PenPlacement at_first{X_WP_ * first.p, -(X_WP_.R * n)};
+  if (yaw_) at_first.x_WE = X_WP_.R * turned_about(n, heading_at(first).t, *yaw_);
   IkResult begun = find_posture(arm_, at_first, q_);
   // The part before may have wound the joints up beyond their limits.
   if (!begun.reached) begun = find_posture(arm_, at_first, rest_);

@@ -42,6 +42,7 @@ class JointRates {
   ArmModel arm_;
   Pose X_WP_;
   bool vertical_pen_;
+  std::optional<double> yaw_;  // of a led tool [rad]
   JointVector limit_;    // share · v_max [rad/s]
   double acceleration_;  // a_max [rad/s²]
   JointVector torque_;   // share · τ_max [Nm]

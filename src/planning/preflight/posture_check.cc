@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "impedraw/arm/least_energy_step.h"
 #include "impedraw/common/errors.h"
 
 namespace impedraw {
@@ -85,12 +86,9 @@ double PostureCheck::effective_mass() const {
 }
 
 void PostureCheck::say_unreached(const PenPlacement& pen, const IkResult& found, Posture* posture) {
-  const Vector3d z = terms_.X_WE.R.col(2), cross = z.cross(pen.z_WE);
-  Vector6 e;
-  e << pen.p_WE - terms_.X_WE.p,
-      (cross.norm() > 1e-12 ? found.axis_error / cross.norm() : 0) * cross;
+  const Vector6 e = tip_displacement(terms_.X_WE, pen.p_WE, pen.z_WE, pen.x_WE);
   // The error that would remain without joint limits. If it is small, a limit is the cause.
-  const TipJacobian J = without_spin(terms_);
+  const TipJacobian J = pen.led() ? terms_.J : without_spin(terms_);
   constexpr double kDamping = 1e-3, kAtLimit = 0.02;
   const Matrix6 A = J * J.transpose() + kDamping * Matrix6::Identity();
   const double stays = (kDamping * A.llt().solve(e)).norm() / std::max(e.norm(), 1e-12);

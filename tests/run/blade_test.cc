@@ -1,0 +1,89 @@
+// A blade from the scenario to its figures: yaw and corners, by the truth, and inputs that do not
+// fit.
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "drawn_scenario.h"
+#include "impedraw/common/errors.h"
+#include "impedraw/run/tool_judge.h"
+
+namespace impedraw {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Led {
+  double yaw_rms, yaw_max, smear;
+  std::vector<double> yaw_of_rows;
+};
+
+nlohmann::ordered_json cut(const std::string& scenario, std::vector<std::string> set = {}) {
+  Prepared experiment = prepare(resolve_scenario(scenario, set));
+  const std::unique_ptr<ToolJudge> judge = tool_judge(experiment);
+  RunHooks hooks;
+  hooks.row = [&](const LogRow& row) { judge->add(row); };
+  const std::filesystem::path log = std::filesystem::temp_directory_path() /
+                                    ("impedraw_blade_" + std::to_string(getpid()) + ".h5");
+  const RunOutcome outcome = run(experiment, log, 0.0, hooks);
+  EXPECT_EQ(outcome.end, RunEnd::finished) << outcome.cause;
+  std::filesystem::remove(log);
+  return judge->results()["metrics"];
+}
+
+std::string refusal(const std::string& scenario, const std::vector<std::string>& set) {
+  try {
+    prepare(resolve_scenario(scenario, set));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Blade, FollowsTheSine) {
+  const auto figures = cut("bowl-blade", {"seed=3"});
+  EXPECT_LE(figures["yaw_error_rms"].get<double>(), 2.0);
+  EXPECT_GT(figures["yaw_error_rms"].get<double>(), 0.0);
+}
+
+TEST(Blade, SwivelsAtTheCornersOfAStar) {
+  for (const char* swivel : {"spot", "lifted"}) {
+    const auto figures = cut("bowl-blade-star", {"seed=3", std::string("tool.swivel=") + swivel});
+    EXPECT_LE(figures["yaw_error_rms"].get<double>(), 2.0) << swivel;
+    EXPECT_LE(figures["corner_smear"].get<double>(), 0.2) << swivel;
+  }
+}
+
+// The judge is no part of what it judges: a heading that is off by 5° is found to be.
+TEST(Blade, TheJudgeSeesAYawThatIsOff) {
+  Scenario scenario = resolve_scenario("bowl-blade", {"seed=3", "tool.yaw=5"});
+  Prepared experiment = prepare(scenario);
+  experiment.scenario.tool.yaw_deg = 0.0;
+  const std::unique_ptr<ToolJudge> judge = tool_judge(experiment);
+  RunHooks hooks;
+  hooks.row = [&](const LogRow& row) { judge->add(row); };
+  const std::filesystem::path log = std::filesystem::temp_directory_path() /
+                                    ("impedraw_blade_" + std::to_string(getpid()) + ".h5");
+  run(experiment, log, 0.0, hooks);
+  std::filesystem::remove(log);
+  EXPECT_NEAR(judge->results()["metrics"]["yaw_error_rms"].get<double>(), 5.0, 0.5);
+}
+
+TEST(Blade, NamesWhatDoesNotFit) {
+  EXPECT_THAT(refusal("bowl-blade", {"tool.radius=0.02"}), HasSubstr("tool.radius"));
+  EXPECT_THAT(refusal("bowl-blade", {"drawing.text=ab", "drawing.placement.height=4",
+                                     "tool.radius=0.004"}),
+              HasSubstr("tool.radius"));
+  EXPECT_THAT(refusal("bowl-sine-blind", {"tool.kind=blade"}), HasSubstr("tool.kind"));
+}
+
+TEST(Blade, IsLiftedWhereTheArmCannotTurnOn) {
+  const Prepared circle = prepare(resolve_scenario("bowl-blade", {"drawing.shape=circle"}));
+  EXPECT_THAT(circle.plan.notes, ::testing::Contains(HasSubstr("yaw: the arm turns the tool by")));
+  EXPECT_TRUE(circle.plan.preflight.findings.empty());
+}
+
+}  // namespace
+}  // namespace impedraw
