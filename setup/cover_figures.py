@@ -15,11 +15,13 @@ from quotes import fill_part
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 DUCK = ["--set", f"canvas.mesh.file={ROOT / 'build/surface-meshes/duck.obj'}", "--set", "canvas.mesh.position=[0.6,0,0]"]
+WINDOW = '<svg xmlns="http://www.w3.org/2000/svg" width="150mm" height="150mm"><rect width="150mm" height="150mm"/></svg>'
+HILLS = "--set canvas.kind=terrain --set perception.noise.sigma_at_1m=0.0012 --region FOLDER/window.svg --set drawing.placement.scale=1 --set drawing.placement.centre=[0.605,0.005]"
 SURFACES = {  # name: in the table, arguments beside the mesh of that name, whether there is one
     "dome": ("dome (`./impedraw cover`)", [], False),
     "saddle": ("saddle", ["--set", "canvas.kind=saddle"], False),
     "curve": ("a car door's curve", [], True),
-    "terrain": ("hills, 1.2 mm of depth noise at 1 m", ["--set", "canvas.kind=terrain", "--set", "perception.noise.sigma_at_1m=0.0012"], False),
+    "terrain": ("150 × 150 mm of hills, 1.2 mm of depth noise at 1 m", HILLS.split(), False),
     "duck": ("duck", ["--set", "canvas.kind=mesh", *DUCK], False),  # of setup/surface_meshes.py
     "door": ("car door with crease and recess", [], True),
     "hole": ("plane with a hole", [], True),
@@ -37,6 +39,7 @@ def treat(program, folder, name):
     if not (folder / name / "metrics.json").exists():
         _, arguments, meshed = SURFACES[name]
         mesh = ["--set", "canvas.kind=mesh", "--set", f"canvas.mesh.file={folder / name}.obj"] if meshed else []
+        arguments = [a.replace("FOLDER", str(folder)) for a in arguments]
         command = [program, "cover", *mesh, *arguments, "--out", folder / name, "--overwrite"]
         run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         if run.returncode:
@@ -60,6 +63,7 @@ def main():
         sys.exit(f"{', '.join(sorted(unknown))}: no surface of this table; valid are {', '.join(SURFACES)}")
     folder.mkdir(parents=True, exist_ok=True)
     cover_meshes.write(folder)
+    (folder / "window.svg").write_text(WINDOW)
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         list(pool.map(lambda name: treat(program, folder, name), names))
     lines = ["| " + " | ".join(HEAD) + " |", "|---" * len(HEAD) + "|"]

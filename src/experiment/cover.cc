@@ -27,7 +27,10 @@ std::vector<char> region_of(const Scenario& s, const SurfaceGrid& g) {
   if (artwork.areas.empty())
     throw InputError(fmt::format("{}: has no filled area to cover; valid is an SVG with one",
                                  s.cover.region.string()));
-  const Placement placement = place(artwork, placement_settings(s.drawing));
+  // A region has a middle, unlike the shape that this drawing would be without it.
+  PlacementSettings placing = placement_settings(s.drawing);
+  placing.about_page_origin = s.drawing.placement.about_page_origin;
+  const Placement placement = place(artwork, placing);
   Eigen::AlignedBox2d box = artwork.page;
   for (const Area& area : artwork.areas)
     for (const auto& outline : area.outlines)

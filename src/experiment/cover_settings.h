@@ -54,7 +54,7 @@ std::vector<double> depths_of(const ToolSettings& tool);
 struct CoverSettings {
   std::filesystem::path
       region;                   // an SVG whose filled areas are covered; empty: all that is reached
-  double overlap = 0.69;        // of neighbouring lines, as a share of the footprint's width
+  double overlap = 0.82;        // of neighbouring lines, as a share of the footprint's width
   double direction_deg = 90.0;  // of the lines, from the drawing plane's x axis
   double margin = 1e-3;         // that the footprint keeps from edges [m]
   int passes = 1;

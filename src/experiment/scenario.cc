@@ -295,8 +295,8 @@ void describe(Fields& f, CoverSettings& s) {
           "SVG whose filled areas are covered, placed as drawing.placement says; empty: all that "
           "the cameras see and the arm reaches.");
   f.field(Limits::overlap, s.overlap,
-          "Overlap of neighbouring lines, as a share of the footprint's width. 0.55 and "
-          "0.69 treat most evenly: there the first harmonic of a disc's dose vanishes.");
+          "Overlap of neighbouring lines, as a share of the footprint's width. 0.82 treats evenly "
+          "up to the border; 0.69 takes three fifths of its time and is less even.");
   f.field(Limits::direction, s.direction_deg,
           "Direction of the lines in the drawing plane, counter-clockwise from its x axis.");
   f.field(Limits::margin, s.margin, "Distance that the footprint keeps from edges and holes.");

@@ -1,4 +1,6 @@
 // ./impedraw cover: a short run on the dome, and bad input, which is named before anything moves.
+#include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -55,6 +57,19 @@ TEST_F(Cover, TreatsAWindowOfTheDome) {
   EXPECT_LT(metrics["removal_map_error"], 0.05);
   EXPECT_EQ(metrics["unsaid_share"], 0.0);
   EXPECT_TRUE(fs::exists(folder_ / "run/cover.png"));
+  // Its middle lies at drawing.placement.centre.
+  std::ifstream lines(folder_ / "run/cover.csv");
+  std::string row;
+  std::getline(lines, row);
+  double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9}, at[2];
+  while (std::getline(lines, row)) {
+    ASSERT_EQ(std::sscanf(row.c_str(), "%lf,%lf", &at[0], &at[1]), 2);
+    for (int i = 0; i < 2; ++i)
+      low[i] = std::min(low[i], at[i]), high[i] = std::max(high[i], at[i]);
+  }
+  for (int i = 0; i < 2; ++i) EXPECT_NEAR(0.5 * (low[i] + high[i]), 0.0, 2.0);
+  EXPECT_NEAR(high[0] - low[0], 90.0 - 32.0, 3.0);
+  EXPECT_NEAR(high[1] - low[1], 60.0 - 32.0, 3.0);
 }
 
 // A hand lifts the pad for a while: nothing stays untreated and unsaid.

@@ -3,7 +3,7 @@
 // Centres   where the footprint keeps `margin` from every edge, and all of it would touch:
 //           δ + h_i > 0 for at least kTouching of its places, δ the mean compression of its foam,
 //           h_i the height of place i over the footprint's plane
-// Edge      one closed line along the border of the centres, walked more than once where rows are dense
+// Edge      a closed line along the border of the centres, more than one round where rows are dense
 // Rows      level sets of the distance from a line across the middle (surface_grid.h), `spacing`
 //           apart on the surface or less, so that the outer ones lie beside the edge's line
 // Passes    the edge's lines, then the rows there and back, joined by bends as wide as their
