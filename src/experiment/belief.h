@@ -9,6 +9,7 @@
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/experiment/scenario.h"
+#include "impedraw/perception/camera_correction.h"
 #include "impedraw/perception/plan_surface.h"
 #include "impedraw/planning/surface_height.h"
 
@@ -29,9 +30,8 @@ struct Belief {
   std::shared_ptr<const Canvas> obstacle;
   BlindSettings blind;             // the assumed height without perception
   std::vector<std::string> notes;  // repairs to the canvas's file, one line each
-  // Of each camera, or view of a capture: T X_WC is where the snapshot found it to stand. Empty:
-  // where it is believed to.
-  std::vector<Pose> camera_corrections;
+  // Of each camera, or view of a capture, by the snapshot; empty: none.
+  std::vector<CameraCorrection> camera_corrections;
 
   // Knowledge of the controller and the planner about the surface.
   bool by_touch() const { return !perception && blind.height == BlindHeight::touch; }

@@ -91,9 +91,12 @@ bool SimulatedCamera::sees(const Eigen::Vector3d& p_W, const World& world, const
   return !hit || hit->t > distance - kSkin;
 }
 
-Eigen::Vector3d SimulatedCamera::found_at(const Eigen::Vector3d& p_W) const noexcept {
-  if (!faults_.any()) return believed_.X_WC * actual_.X_WC.inverse() * p_W;
-  return believed_.X_WC * faults_.found_at(actual_.X_WC.inverse() * p_W);
+Eigen::Vector3d SimulatedCamera::found_at(const Eigen::Vector3d& p_W,
+                                          std::size_t number) const noexcept {
+  const Eigen::Vector3d found =
+      faults_.any() ? believed_.X_WC * faults_.found_at(actual_.X_WC.inverse() * p_W)
+                    : believed_.X_WC * actual_.X_WC.inverse() * p_W;
+  return number < marks_off_.size() ? Eigen::Vector3d(found - marks_off_[number]) : found;
 }
 
 }  // namespace impedraw

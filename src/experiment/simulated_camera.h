@@ -6,6 +6,7 @@
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/experiment/scenario.h"
+#include "impedraw/perception/camera_correction.h"
 #include "impedraw/perception/stereo_faults.h"
 #include "impedraw/simulation/world.h"
 
@@ -18,8 +19,10 @@ class SimulatedCamera {
   SimulatedCamera(const Scenario& scenario, std::size_t number, int width, int height);
 
   const DepthCamera& believed() const { return believed_; }
-  // It was found to stand at T X_WC.
-  void correct(const Pose& T) { believed_.X_WC = T * believed_.X_WC; }
+  void correct(const CameraCorrection& correction) {
+    believed_.X_WC = correction.T * believed_.X_WC;
+    marks_off_ = correction.marks;
+  }
   const DepthCamera& actual() const { return actual_; }
   std::uint64_t seed() const { return seed_; }
 
@@ -33,8 +36,8 @@ class SimulatedCamera {
   // A mark at p_W is in the image, and neither the arm nor the canvas, at X_WK, hides it.
   bool sees(const Eigen::Vector3d& p_W, const World& world, const Canvas& canvas,
             const Pose& X_WK) const noexcept;
-  // Where it is thought to be by this camera, without noise [m].
-  Eigen::Vector3d found_at(const Eigen::Vector3d& p_W) const noexcept;
+  // Where mark `number` is thought to be by this camera, without noise [m].
+  Eigen::Vector3d found_at(const Eigen::Vector3d& p_W, std::size_t number) const noexcept;
 
  private:
   DepthCamera believed_, actual_;
@@ -42,6 +45,7 @@ class SimulatedCamera {
   StereoFaults faults_;
   DepthNoise noise_;
   double depth_scale_;
+  std::vector<Eigen::Vector3d> marks_off_;
 };
 
 // The seed of a camera's errors and noise.

@@ -75,28 +75,36 @@ CloudSettings cloud_settings(const PerceptionSettings& p) {
 
 // The correction of a camera by the marks, which stand where they are known to before anything has
 // moved; none where they tell nothing beyond their noise.
-Pose correction_by_marks(const SimulatedCamera& camera, const FiducialSettings& marks,
-                         const World& world, const Canvas& canvas) {
+CameraCorrection correction_by_marks(const SimulatedCamera& camera, const FiducialSettings& marks,
+                                     const World& world, const Canvas& canvas) {
   constexpr int kFrames = 15;                          // which are averaged
   constexpr double kLeast = 5e-5, kBesideLine = 0.02;  // [m]
   constexpr double kSure = 8.0;                        // standard deviations of χ²
   SeededNormals noise(camera.seed() ^ 0x6d61726b73U);
   const double sigma = std::max(kLeast, marks.noise / std::sqrt(double{kFrames}));
   std::vector<Eigen::Vector3d> found, known;
+  std::vector<std::size_t> numbers;
   double off = 0.0;  // χ²
-  for (const Fiducial& mark : marks.points) {
+  for (std::size_t i = 0; i < marks.points.size(); ++i) {
+    const Fiducial& mark = marks.points[i];
     Eigen::Vector3d error;
     for (double& e : error) e = marks.noise / std::sqrt(double{kFrames}) * noise.next();
     if (!camera.sees(mark.p_K, world, canvas, {})) continue;
-    found.push_back(camera.found_at(mark.p_K) + error);
+    found.push_back(camera.found_at(mark.p_K, i) + error);
     known.push_back(mark.p_K);
+    numbers.push_back(i);
     off += (found.back() - known.back()).squaredNorm() / (sigma * sigma);
   }
   const double count = 3.0 * static_cast<double>(found.size());
   if (found.size() < 3 || spread_beside_line(known) < kBesideLine ||
       off < count + kSure * std::sqrt(2.0 * count))
     return {};
-  return fit_rigid(found, known).X_WK;
+  CameraCorrection correction{
+      fit_rigid(found, known).X_WK,
+      std::vector<Eigen::Vector3d>(marks.points.size(), Eigen::Vector3d::Zero())};
+  for (std::size_t k = 0; k < found.size(); ++k)
+    correction.marks[numbers[k]] = correction.T * found[k] - known[k];
+  return correction;
 }
 
 // Views of the cameras, as a capture has them.
@@ -124,7 +132,7 @@ CaptureCloud as_captured(const std::vector<DepthImage>& images,
 
 struct CameraPoints {
   PointCloud cloud;
-  std::vector<Pose> corrections;
+  std::vector<CameraCorrection> corrections;
 };
 
 CameraPoints points_of_cameras(const Scenario& s, const Canvas& canvas, const World& world,
@@ -156,16 +164,18 @@ CameraPoints points_of_cameras(const Scenario& s, const Canvas& canvas, const Wo
   for (std::size_t i = 0; i < p.cameras.size(); ++i) {
     const SimulatedCamera camera(s, i);
     images.push_back(camera.image(cast));
-    const Pose T = follows ? correction_by_marks(camera, p.fiducials, world, canvas) : Pose();
+    CameraCorrection correction;
+    if (follows) correction = correction_by_marks(camera, p.fiducials, world, canvas);
+    const Pose& T = correction.T;
     cameras.push_back(camera.believed());
-    if (!T.R.isIdentity(0.0)) {
-      seen.corrections.resize(p.cameras.size());
-      seen.corrections[i] = T;
+    if (!correction.marks.empty()) {
       cameras.back().X_WC = T * cameras.back().X_WC;
       notes->push_back(fmt::format(
           "camera {}: the marks show that it stands {:.2f} mm and {:.3f}° off, and it is put there",
           i + 1, 1e3 * (cameras.back().X_WC.p - camera.believed().X_WC.p).norm(),
           Eigen::AngleAxisd(T.R).angle() * 180.0 / std::numbers::pi));
+      seen.corrections.resize(p.cameras.size());
+      seen.corrections[i] = std::move(correction);
     }
   }
   if (!p.stereo) {
@@ -176,7 +186,7 @@ CameraPoints points_of_cameras(const Scenario& s, const Canvas& canvas, const Wo
                                       p.align && seen.corrections.empty());
   notes->insert(notes->end(), captured.notes.begin(), captured.notes.end());
   seen.cloud = std::move(captured.cloud);
-  for (const AlignedView& view : captured.alignment.views) seen.corrections.push_back(view.T);
+  for (const AlignedView& view : captured.alignment.views) seen.corrections.push_back({view.T, {}});
   return seen;
 }
 
@@ -245,7 +255,7 @@ Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, bool placed, ArmMode
   }
   const PerceptionSettings used = for_noise(p, found.canvas, notes);
   Snapshot snapshot{estimator_of(found.canvas, used, ""), thin(found.beside, p.voxel), {}};
-  for (const AlignedView& view : read.alignment.views) snapshot.corrections.push_back(view.T);
+  for (const AlignedView& view : read.alignment.views) snapshot.corrections.push_back({view.T, {}});
   return snapshot;
 }
 

@@ -7,6 +7,7 @@
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/experiment/scenario.h"
+#include "impedraw/perception/camera_correction.h"
 #include "impedraw/simulation/world.h"
 
 namespace impedraw {
@@ -14,8 +15,7 @@ namespace impedraw {
 struct Snapshot {
   SurfaceEstimator seen;
   PointCloud beside;  // thinned: what find_canvas left out, which the arm must not touch either
-  // Of each camera or view: T X_WC is where it was found to stand. Empty: as it is believed.
-  std::vector<Pose> corrections;
+  std::vector<CameraCorrection> corrections;  // of each camera or view; empty: none
 };
 
 // The cameras' view of the canvas. The arm is at q; its points are removed from the cloud. Where

@@ -20,7 +20,7 @@ Eigen::Map<const Eigen::VectorXd> vector_of(const std::vector<double>& q) {
 }  // namespace
 
 PlayedCapture::PlayedCapture(const PerceptionSettings& settings, const ArmModel& arm,
-                             const std::vector<Pose>& corrections)
+                             const std::vector<CameraCorrection>& corrections)
     : latency_(settings.frames.latency), arm_(arm) {
   capture_ = read_capture(
       settings.capture,
@@ -44,7 +44,7 @@ PlayedCapture::PlayedCapture(const PerceptionSettings& settings, const ArmModel&
     if (camera == static_cast<int>(places.size())) places.push_back(view.X_WC);
     camera_of_.push_back(camera);
     const auto number = static_cast<std::size_t>(camera);
-    const Pose T = number < corrections.size() ? corrections[number] : Pose();
+    const Pose T = number < corrections.size() ? corrections[number].T : Pose();
     cameras_.try_emplace(camera, view.lens, T * view.X_WC, settings.frames.width,
                          settings.frames.height);
     if (cameras_.size() > kMostCameras)

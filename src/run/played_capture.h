@@ -15,6 +15,7 @@
 #include "impedraw/capture/capture.h"
 #include "impedraw/capture/rectified.h"
 #include "impedraw/experiment/scenario.h"
+#include "impedraw/perception/camera_correction.h"
 #include "impedraw/perception/canvas_frame.h"
 
 namespace impedraw {
@@ -24,7 +25,7 @@ class PlayedCapture {
   // corrections: Belief's, of the views. Throws InputError like read_capture(), without a view after
   // time 0, and for cameras that move.
   PlayedCapture(const PerceptionSettings& settings, const ArmModel& arm,
-                const std::vector<Pose>& corrections = {});
+                const std::vector<CameraCorrection>& corrections = {});
 
   // As Driver::next_frame(), at `time` [s].
   bool next(double time, CanvasFrame* frame) noexcept;

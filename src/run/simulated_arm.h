@@ -58,7 +58,7 @@ class SimulatedArm : public Driver {
   World& world_;
   const Canvas& canvas_;
   const ArmModel& arm_;
-  const std::vector<Pose>& camera_corrections_;
+  const std::vector<CameraCorrection>& camera_corrections_;
   JointVector start_q_;
   std::vector<std::string> joint_names_;
   double dt_, first_time_;

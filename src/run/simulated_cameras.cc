@@ -15,8 +15,8 @@ constexpr std::size_t kMostComing = 4096;
 }  // namespace
 
 SimulatedCameras::SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas,
-                                   const ArmModel& arm, const std::vector<Pose>& corrections,
-                                   int threads)
+                                   const ArmModel& arm,
+                                   const std::vector<CameraCorrection>& corrections, int threads)
     : world_(world),
       canvas_(canvas),
       arm_(arm),
@@ -68,7 +68,7 @@ void SimulatedCameras::capture(int number, double time, bool lost) noexcept {
     const Eigen::Vector3d p_W = X_WK * fiducials_.points[i].p_K;
     if (!camera.camera.sees(p_W, world_, canvas_, X_WK)) continue;
     frame.marks[static_cast<std::size_t>(frame.count++)] = {static_cast<int>(i),
-                                                            camera.camera.found_at(p_W) + noise};
+                                                            camera.camera.found_at(p_W, i) + noise};
   }
   if (dropped || lost || coming_.size() == kMostComing) return;
   Coming* const coming = unused();

@@ -32,7 +32,8 @@ class SimulatedCameras {
   // Refers to world and canvas. corrections: Belief's, of the cameras. threads: 1 or 2; 0: 2, where
   // the machine has as many.
   SimulatedCameras(const Scenario& scenario, World& world, const Canvas& canvas,
-                   const ArmModel& arm, const std::vector<Pose>& corrections, int threads = 0);
+                   const ArmModel& arm, const std::vector<CameraCorrection>& corrections,
+                   int threads = 0);
   ~SimulatedCameras();
   SimulatedCameras(const SimulatedCameras&) = delete;
   SimulatedCameras& operator=(const SimulatedCameras&) = delete;

@@ -277,11 +277,11 @@ TEST(MovingCanvas, FramesAverageTheNoiseOfAStandingCanvasAway) {
   EXPECT_LT(grows["ink_error_rms"], 1.1 * snapshot["ink_error_rms"]);
 }
 
-// Cameras that stand 1 mm and 0.2° off, each in its own way. Marks that stand where they are known to
+// Stereo cameras that stand 1 mm and 0.2° off, each in its own way. Marks whose places are known
 // tell before anything moves how each camera is off; without that, the ink is 1.2 mm off.
 TEST(MovingCanvas, CamerasThatAreOffArePutWhereTheMarksSayTheyStand) {
   const std::vector<std::string> set = {
-      "perception.frames.enabled=true", "perception.frames.depth=true", "perception.stereo=false",
+      "perception.frames.enabled=true", "perception.frames.depth=true",
       "perception.fiducials.points=[{position: [0.78, 0, 0.162]}, {position: [0.6, 0.18, 0.162]}, "
       "{position: [0.42, 0, 0.162]}, {position: [0.6, -0.18, 0.162]}]"};
   std::vector<std::string> sways = set;
