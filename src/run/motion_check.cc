@@ -131,7 +131,7 @@ std::string ReadingsThatStand::update(const MotionReading& now, const MotionLimi
     still_.update(j, now.moved[j] == 0.0, now.dt);
     if (now.moved[j] == 0.0) continue;
     grain_[j] = std::min(grain_[j], std::abs(now.moved[j]));
-    stopped_[j] = 0.0;
+    if (stopped_[j] != 0.0) stopped_.setZero();  // it goes on: there was no such stop
   }
   update_stops(now, limits);
   Eigen::Index j = 0;

@@ -266,6 +266,23 @@ TEST(Lies, SlowJointsDoNotStopTogether) {
   EXPECT_EQ(named(2, 1), -1);
 }
 
+// A heavy joint of coarse positions that goes on after two readings was no stop; the light one that
+// friction holds beside it is none.
+TEST(Lies, AJointThatGoesOnHasNotStopped) {
+  const JointVector speed = JointVector::Ones(2), limit = JointVector::Constant(2, 300.0);
+  const JointVector none = JointVector::Zero(2);
+  JointMatrix M = 2.0 * JointMatrix::Identity(2, 2);
+  M(1, 1) = 0.01;
+  MotionCheck check(speed, limit);
+  JointVector q = none;
+  for (int i = 0; i < 300; ++i) {
+    const double way = 1e-4 * std::min(1.0, (i + 1) / 100.0);
+    if (i < 200 || i >= 202) q[0] += way;
+    if (i < 200) q[1] += way;
+    ASSERT_FALSE(check.update(q, nullptr, none, none, 1e-3, &M)) << i << " " << check.cause();
+  }
+}
+
 TEST(Lies, ASlowArmWhosePositionsStandStillIsStoppedAtOnce) {
   for (const char* name : {"bowl-sine", "bowl-sine-natural", "bowl-sine-realistic"}) {
     SCOPED_TRACE(name);
