@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include <fmt/core.h>
-#include <polyclipping/clipper.hpp>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
@@ -17,111 +16,81 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-namespace cl = ClipperLib;
 constexpr double kMostLines = 100'000;
-// Clipper's integer range across half an area; beyond 2^30 it needs wider arithmetic
-constexpr double kFineness = 5e8;
 constexpr double kShortest = 1e-5;  // [mm]
 constexpr double kInset = 0.25;  // of joined lines from the outline: half a pen [mm on the canvas]
 
-// One set of lines. They are vertical in the frame H, because Clipper treats horizontal edges
-// specially: y_H along the lines, x_H across.
-void add_lines(const Area& area, double spacing, double angle, std::vector<Stroke>& result) {
-  const Vector2d along(std::cos(angle), -std::sin(angle)), across(std::sin(angle), std::cos(angle));
-  Eigen::AlignedBox2d box;
-  for (const auto& outline : area.outlines) {
-    for (const Vector2d& p : outline) box.extend(Vector2d(across.dot(p), along.dot(p)));
-  }
-  if (box.isEmpty()) return;
-  const double first = std::ceil(box.min().x() / spacing - 0.5),
-               last = std::floor(box.max().x() / spacing - 0.5);
+// The area in the hatch's frame H: x_H along the lines, y_H across.
+struct Turned {
+  Vector2d along, across;
+  Eigen::AlignedBox2d box;  // of the outlines in H
+  RegionIndex region;       // of the area in H
+
+  Vector2d to_H(const Vector2d& p) const { return {along.dot(p), across.dot(p)}; }
+  Vector2d to_page(double x, double y) const { return x * along + y * across; }
+};
+
+Turned turned(const Area& area, double angle) {
+  Turned t{{std::cos(angle), -std::sin(angle)}, {std::sin(angle), std::cos(angle)}, {}, RegionIndex({})};
+  Area in_H = area;
+  for (auto& outline : in_H.outlines)
+    for (Vector2d& p : outline) p = t.to_H(p);
+  t.box = outlines_box(in_H.outlines);
+  if (!t.box.isEmpty()) t.region = RegionIndex(RegionMath(t.box).region(in_H));
+  return t;
+}
+
+// One set of lines.
+std::vector<Stroke> set_of_lines(const Turned& t, const Area& area, double spacing) {
+  std::vector<Stroke> lines;
+  if (t.box.isEmpty()) return lines;
+  const double first = std::ceil(t.box.min().y() / spacing - 0.5),
+               last = std::floor(t.box.max().y() / spacing - 0.5);
   if (last - first > kMostLines) {
     throw InputError(
         fmt::format("hatch: an area of {:.4g} mm across would take {:.3g} lines {:.3g} mm apart on "
                     "the page; at most {:.0e} "
                     "are drawn",
-                    box.sizes().x(), last - first, spacing, kMostLines));
+                    t.box.sizes().y(), last - first, spacing, kMostLines));
   }
-  if (last < first) return;
-  const Vector2d centre = box.center();
-  const double fineness = kFineness / std::max(box.sizes().maxCoeff() / 2 + spacing, 1e-3);
-  const auto to_clipper = [&](const Vector2d& h) {
-    return cl::IntPoint(std::llround((h.x() - centre.x()) * fineness),
-                        std::llround((h.y() - centre.y()) * fineness));
-  };
-
-  cl::Clipper clipper;
-  for (const auto& outline : area.outlines) {
-    cl::Path path;
-    for (const Vector2d& p : outline) path.push_back(to_clipper({across.dot(p), along.dot(p)}));
-    clipper.AddPath(path, cl::ptClip, true);
-  }
-  const double below = box.min().y() - spacing / 2, above = box.max().y() + spacing / 2;
+  std::vector<double> at;
   for (double k = first; k <= last; ++k) {
-    const double x = (k + 0.5) * spacing;
-    clipper.AddPath({to_clipper({x, below}), to_clipper({x, above})}, cl::ptSubject, false);
-  }
-  const cl::PolyFillType rule = area.even_odd ? cl::pftEvenOdd : cl::pftNonZero;
-  cl::PolyTree inside;
-  if (!clipper.Execute(cl::ctIntersection, inside, rule, rule))
-    throw InputError("hatch: an area could not be clipped");
-  cl::Paths pieces;
-  cl::OpenPathsFromPolyTree(inside, pieces);
-
-  struct Piece {
-    std::int64_t k;
-    double from, to;
-  };
-  std::vector<Piece> rows;
-  for (const cl::Path& piece : pieces) {
-    const auto [low, high] = std::minmax_element(
-        piece.begin(), piece.end(), [](const auto& a, const auto& b) { return a.Y < b.Y; });
-    const double x = centre.x() + static_cast<double>(low->X) / fineness;
-    rows.push_back({std::llround(x / spacing - 0.5),
-                    centre.y() + static_cast<double>(low->Y) / fineness,
-                    centre.y() + static_cast<double>(high->Y) / fineness});
-  }
-  std::sort(rows.begin(), rows.end(), [](const Piece& a, const Piece& b) {
-    return a.k != b.k ? a.k < b.k : a.from < b.from;
-  });
-  // Joins pieces that touch: Clipper may cut a line where a corner of the outline lies on it.
-  std::vector<Piece> whole;
-  for (const Piece& piece : rows) {
-    const bool touches =
-        !whole.empty() && whole.back().k == piece.k && piece.from - whole.back().to < kShortest;
-    if (touches)
-      whole.back().to = std::max(whole.back().to, piece.to);
-    else
-      whole.push_back(piece);
-  }
-  for (std::size_t i = 0; i < whole.size();) {
-    std::size_t end = i;
-    while (end < whole.size() && whole[end].k == whole[i].k) ++end;
-    std::vector<Stroke> row;
-    for (; i < end; ++i) {
-      if (whole[i].to - whole[i].from < kShortest) continue;
-      const Vector2d at = (static_cast<double>(whole[i].k) + 0.5) * spacing * across;
-      row.push_back({{at + whole[i].from * along, at + whole[i].to * along}});
-      row.back().layer = area.layer;
-      row.back().colour = area.colour;
+    const double y = (k + 0.5) * spacing;
+    const Vector2d from(t.box.min().x() - spacing / 2, y), to(t.box.max().x() + spacing / 2, y);
+    const auto x_at = [&](double share) { return from.x() + share * (to.x() - from.x()); };
+    at.clear();
+    t.region.crossings(from, to, at);
+    std::sort(at.begin(), at.end());
+    std::vector<std::pair<double, double>> row;  // parts inside, joined where they touch [mm]
+    for (std::size_t i = 1; i < at.size(); ++i) {
+      const double a = x_at(at[i - 1]), b = x_at(at[i]);
+      if (!t.region.inside({(a + b) / 2, y})) continue;
+      if (!row.empty() && a - row.back().second < kShortest)
+        row.back().second = b;
+      else
+        row.emplace_back(a, b);
     }
-    if (whole[end - 1].k % 2 != 0) {
-      std::reverse(row.begin(), row.end());
-      for (Stroke& stroke : row) std::swap(stroke.points[0], stroke.points[1]);
+    std::erase_if(row, [](const auto& part) { return part.second - part.first < kShortest; });
+    const bool backwards = std::llround(k) % 2 != 0;
+    if (backwards) std::reverse(row.begin(), row.end());
+    for (auto [a, b] : row) {
+      if (backwards) std::swap(a, b);
+      lines.push_back({{t.to_page(a, y), t.to_page(b, y)}});
+      lines.back().layer = area.layer;
+      lines.back().colour = area.colour;
     }
-    result.insert(result.end(), row.begin(), row.end());
   }
+  return lines;
 }
 
 // Joins one set's lines to strokes that the pen draws in one go: from the end of a line to an end
 // in a row beside it, where the way between them stays in the area. Ends stand back by `inset`, so
 // that the ink of a join does, too.
-std::vector<Stroke> flowing(std::vector<Stroke> lines, const Area& area, const Vector2d& across,
-                            double spacing, double inset) {
-  const RegionIndex region(RegionMath(outlines_box(area.outlines)).region(area));
+std::vector<Stroke> flowing(std::vector<Stroke> lines, const Turned& t, double spacing,
+                            double inset) {
   std::map<std::int64_t, std::vector<std::size_t>> rows;
   const auto row_of = [&](const Stroke& line) {
-    return std::llround(across.dot(line.points[0]) / spacing - 0.5);
+    return std::llround(t.across.dot(line.points[0]) / spacing - 0.5);
   };
   for (std::size_t i = 0; i < lines.size(); ++i) {
     rows[row_of(lines[i])].push_back(i);
@@ -132,8 +101,8 @@ std::vector<Stroke> flowing(std::vector<Stroke> lines, const Area& area, const V
   std::vector<double> crossings;
   const auto stays_inside = [&](const Vector2d& a, const Vector2d& b) {
     crossings.clear();
-    region.crossings(a, b, crossings);
-    return crossings.empty() && region.inside((a + b) / 2);
+    t.region.crossings(t.to_H(a), t.to_H(b), crossings);
+    return crossings.empty() && t.region.inside(t.to_H((a + b) / 2));
   };
   std::vector<Stroke> strokes;
   std::vector<char> used(lines.size(), false);
@@ -169,38 +138,33 @@ std::vector<Stroke> flowing(std::vector<Stroke> lines, const Area& area, const V
   return strokes;
 }
 
-}  // namespace
-
-std::vector<Stroke> hatch_strokes(const Area& area, const HatchSettings& settings, double scale) {
+std::vector<Stroke> hatch(const Area& area, const HatchSettings& settings, double scale,
+                          bool joined) {
+  require_in_range("hatch", HatchSettings::Limits::spacing, settings.spacing_mm);
+  require_in_range("hatch", HatchSettings::Limits::angle, settings.angle_deg);
+  require_in_range("the hatch's scale", scale, Range::positive(), "");
   std::vector<Stroke> strokes;
-  HatchSettings set = settings;
-  set.cross = false;
-  for (const double turn : settings.cross ? std::vector{0.0, 90.0} : std::vector{0.0}) {
-    const double angle = (settings.angle_deg + turn) * std::numbers::pi / 180;
-    std::vector<Stroke> lines;
-    if (settings.spacing_mm > 0 && turn > 0)
-      add_lines(area, settings.spacing_mm / scale, angle, lines);
-    else
-      lines = hatch_lines(area, set, scale);
-    if (lines.empty()) continue;
-    lines = flowing(std::move(lines), area, {std::sin(angle), std::cos(angle)},
-                    settings.spacing_mm / scale, std::min(settings.spacing_mm / 2, kInset) / scale);
+  if (settings.spacing_mm == 0) return strokes;
+  const double spacing = settings.spacing_mm / scale,
+               inset = std::min(settings.spacing_mm / 2, kInset) / scale;
+  for (int set = 0; set < (settings.cross ? 2 : 1); ++set) {
+    const Turned t =
+        turned(area, settings.angle_deg * std::numbers::pi / 180 + set * std::numbers::pi / 2);
+    std::vector<Stroke> lines = set_of_lines(t, area, spacing);
+    if (joined) lines = flowing(std::move(lines), t, spacing, inset);
     strokes.insert(strokes.end(), lines.begin(), lines.end());
   }
   return strokes;
 }
 
+}  // namespace
+
+std::vector<Stroke> hatch_strokes(const Area& area, const HatchSettings& settings, double scale) {
+  return hatch(area, settings, scale, true);
+}
+
 std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale) {
-  require_in_range("hatch", HatchSettings::Limits::spacing, settings.spacing_mm);
-  require_in_range("hatch", HatchSettings::Limits::angle, settings.angle_deg);
-  require_in_range("the hatch's scale", scale, Range::positive(), "");
-  std::vector<Stroke> lines;
-  if (settings.spacing_mm == 0) return lines;
-  const double angle = settings.angle_deg * std::numbers::pi / 180;
-  add_lines(area, settings.spacing_mm / scale, angle, lines);
-  if (settings.cross)
-    add_lines(area, settings.spacing_mm / scale, angle + std::numbers::pi / 2, lines);
-  return lines;
+  return hatch(area, settings, scale, false);
 }
 
 void drop_edges(Artwork& artwork) {

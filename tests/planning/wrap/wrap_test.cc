@@ -277,5 +277,67 @@ TEST(Wrap, IsTheSameEveryTime) {
     EXPECT_EQ(a.strokes[0].p_P[k], b.strokes[0].p_P[k]);
 }
 
+// Lines 2 mm apart on the page: their distances on the surface, relative to that, beyond the rim.
+std::vector<double> hatch_spacings(const SurfaceHeight& surface, double angle, bool wrapped) {
+  constexpr double kSpacing = 2e-3, kHalf = 0.03;
+  const Vector2d along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x());
+  std::vector<PlacedStroke> lines;
+  for (double off = -kHalf; off <= kHalf + 1e-9; off += kSpacing)
+    lines.push_back(surfaces::line(
+        {kCentre + off * across - kHalf * along, kCentre + off * across + kHalf * along}));
+  if (wrapped) lines = Wrap(surface, kCentre, lines).wrap(lines).strokes;
+  std::vector<std::vector<Vector3d>> laid;
+  for (const PlacedStroke& line : lines) {
+    laid.emplace_back();
+    for (std::size_t k = 1; k < line.p_P.size(); ++k) {
+      const int steps =
+          std::max(1, static_cast<int>((line.p_P[k] - line.p_P[k - 1]).norm() / 5e-5));
+      for (int i = 0; i < steps; ++i) {
+        const Vector2d p = line.p_P[k - 1] + (line.p_P[k] - line.p_P[k - 1]) * i / steps;
+        laid.back().push_back(surface(p.x(), p.y())->p_P);
+      }
+    }
+  }
+  std::vector<double> spacings;
+  for (std::size_t l = 1; l < laid.size(); ++l) {
+    for (std::size_t i = laid[l].size() / 10; i < laid[l].size() * 9 / 10; i += 40) {
+      double nearest = INFINITY;
+      for (const Vector3d& q : laid[l - 1]) nearest = std::min(nearest, (q - laid[l][i]).norm());
+      spacings.push_back(nearest / kSpacing);
+    }
+  }
+  return spacings;
+}
+
+// A hatch's spacing is that of the surface where the page is wrapped. Projected, it is up to
+// 1 / cos(slope) wider: 41 % at 45°.
+TEST(Wrap, HatchesKeepTheirSpacingOnSlopes) {
+  const SurfaceHeight slope = height_field([](double x, double) { return x - 0.6; });
+  // Slopes reach 45° at the hatch's corners.
+  const SurfaceHeight dome = height_field([](double x, double y) {
+    const double r2 = (Vector2d(x, y) - kCentre).squaredNorm();
+    return std::sqrt(0.06 * 0.06 - std::min(r2, 0.0035));
+  });
+  for (const double angle : {0.0, std::numbers::pi / 4, std::numbers::pi / 2}) {
+    SCOPED_TRACE(angle);
+    const auto range = [&](const SurfaceHeight& surface, bool wrapped) {
+      std::vector<double> all = hatch_spacings(surface, angle, wrapped);
+      std::sort(all.begin(), all.end());
+      fmt::print("spacing {:.3f} to {:.3f} (95 %: {:.3f}), wrapped {}\n", all.front(), all.back(),
+                 all[all.size() * 95 / 100], wrapped);
+      return std::pair(all.front(), all.back());
+    };
+    const auto [least, most] = range(slope, true);
+    EXPECT_GT(least, 0.95);
+    EXPECT_LT(most, 1.05);
+    // No chart of a dome keeps every length (Gauss).
+    const auto [closest, widest] = range(dome, true);
+    EXPECT_GT(closest, 0.95);
+    EXPECT_LT(widest, 1.055);
+    const double steepest = 1 / std::sqrt(1 - std::pow(std::sin(angle), 2) / 2);
+    EXPECT_NEAR(range(slope, false).second, steepest, 0.005);
+  }
+}
+
 }  // namespace
 }  // namespace impedraw
