@@ -9,6 +9,7 @@
 namespace impedraw {
 
 inline constexpr Range kMassRange = Range::positive_to(1000.0);  // [kg]
+inline constexpr Range kFrictionRange{0.0, 3.0};                  // coefficient
 inline constexpr Range kForceRange{0.0, 50.0};                   // of the push [N]
 inline constexpr Range kNormalErrorRange{0.0, 60.0};             // [deg]
 inline constexpr Range kNullStiffnessRange{0.0, 500.0};          // [Nm/rad]
@@ -113,7 +114,7 @@ void describe(F& f, ImpedanceSettings& s) {
   f.field("tip_radius", s.tip.radius, {0.0, 0.05}, "m", "Modelled radius of the tip.");
   f.field("tip_stiffness", s.tip.stiffness, {0.0, 1e7}, "N/m",
           "Modelled stiffness of the tip along the normal; 0: rigid.");
-  f.field("friction", s.friction.coefficient, {0.0, 3.0}, "",
+  f.field("friction", s.friction.coefficient, kFrictionRange, "",
           "Modelled coefficient of friction: the part of a measured wrench that tip friction can "
           "explain.");
   f.field("friction_feedforward", s.friction.feedforward, {0.0, 3.0}, "",

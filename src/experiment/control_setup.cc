@@ -84,13 +84,12 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
   if (pad && is_led(s.tool)) {
     double& stiffness = settings.stiffness.angular.normal;
     if (!(stiffness > 0.0)) stiffness = kHeadingStiffness;
-    const double most = ImpedanceSettings::Limits::friction.range.highest;
-    settings.friction.coefficient = std::min(most, kCutSpread * pad->friction);
+    settings.friction.coefficient = std::min(kFrictionRange.highest, kCutSpread * pad->friction);
     settings.felt_normal.share = 0.0;
     // An edge that stands across its way is pushed aside.
     if (s.tool.yaw_deg != 0.0)
       settings.friction.normal_error_deg =
-          std::min(ImpedanceSettings::Limits::normal_error.range.highest,
+          std::min(kNormalErrorRange.highest,
                    std::atan(kCutSpread * pad->friction_across) * 180.0 / std::numbers::pi);
   }
   if (const auto cutter = cutter_of(s.tool)) {
