@@ -21,8 +21,8 @@ namespace {
 
 constexpr double kMostShapeTriangles = 2e7;  // more is probably a wrong unit
 
-// Checks of the sizes of built-in canvases. Each throws InputError naming the shape, the setting, its
-// value and what would be valid.
+// Checks of the sizes of built-in canvases. Each throws InputError naming the shape, the setting,
+// its value and what would be valid.
 void require_at_most(std::string_view shape, std::string_view name, double value,
                      std::string_view what, double most) {
   if (value > most)

@@ -134,8 +134,8 @@ struct ConeSettings {
 
 TriangleMesh make_cone(const ConeSettings& settings = {});
 
-// Built-in rough canvases, for measuring what the pen can follow: a height h(x, y) over a rectangle,
-// with a root-mean-square slope s (s = tan of `slope`) and a length λ.
+// Built-in rough canvases, for measuring what the pen can follow: a height h(x, y) over a
+// rectangle, with a root-mean-square slope s (s = tan of `slope`) and a length λ.
 //
 // fractal  Σ a_i sin(k_i (x cos β_i + y sin β_i) + φ_i): wavelengths from λ to kLongest, a_i ∝
 //          λ_i^0.8 as on a fractal of dimension 2.2, scaled to √(Σ a_i² k_i²/2) = s

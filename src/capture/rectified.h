@@ -1,9 +1,10 @@
 // A calibrated camera's depths as a pinhole camera in the same place would have them: without
 // distortion, with one focal length, and the principal point in the middle.
 //
-// A pixel of the pinhole is the ray d_C = (x, y, 1). It meets the image where Lens::direction_C(u, v)
-// is d_C, found once for each pixel. There 1/z is interpolated between the four pixels about (u, v):
-// a plane's inverse depth is linear in the image. Where these lie on two surfaces, nothing is seen.
+// A pixel of the pinhole is the ray d_C = (x, y, 1). It meets the image where Lens::direction_C(u,
+// v) is d_C, found once for each pixel. There 1/z is interpolated between the four pixels about (u,
+// v): a plane's inverse depth is linear in the image. Where these lie on two surfaces, nothing is
+// seen.
 #pragma once
 
 #include <vector>

@@ -24,7 +24,7 @@ using Eigen::VectorXd;
 
 constexpr int kAlignments = 40, kPerReach = 4;
 constexpr double kAligned = 1e-7;     // step at which it ends [m]
-constexpr double kBelieved = 1.15;        // in the views' agreement, by which a correction is believed
+constexpr double kBelieved = 1.15;    // in the views' agreement, by which a correction is believed
 constexpr double kFacing = 0.7;       // cosine between two normals of one surface
 constexpr double kQueries = 30000.0;  // in one iteration
 constexpr double kRadians = std::numbers::pi / 180.0;

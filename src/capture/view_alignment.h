@@ -8,10 +8,10 @@
 // the camera. Gauss-Newton for all views at once, from far matches to near ones. The prior holds
 // what no match tells, above all a motion of all views together.
 //
-// Corrections after which the views agree hardly better than as calibrated are not made: exact views
-// stay. Directions that a view's matches leave open (registration.h) stay as calibrated. Then all views
-// are moved together so that their cameras move the least, Σ |(t_v/s, φ_v/γ)|: views that agree
-// stay. Of two views the first one stays.
+// Corrections after which the views agree hardly better than as calibrated are not made: exact
+// views stay. Directions that a view's matches leave open (registration.h) stay as calibrated. Then
+// all views are moved together so that their cameras move the least, Σ |(t_v/s, φ_v/γ)|: views that
+// agree stay. Of two views the first one stays.
 //
 // Sources: P. Besl, N. McKay, PAMI 1992; S. Rusinkiewicz, "A symmetric objective function for ICP",
 // SIGGRAPH 2019; J. Zhang, M. Kaess, S. Singh, ICRA 2016.

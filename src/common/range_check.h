@@ -64,9 +64,9 @@ inline void require_in_range(std::string_view group, const Limit& limit, const V
   for (const double value : values) require_in_range(group, limit, value);
 }
 
-// Reads a description of settings, describe(f, settings), and throws InputError for the first number
-// out of its range, as require_in_range does. It ignores what else a description says. The same
-// description read by a Fields (settings/schema.h) gives YAML, schema and documentation.
+// Reads a description of settings, describe(f, settings), and throws InputError for the first
+// number out of its range, as require_in_range does. It ignores what else a description says. The
+// same description read by a Fields (settings/schema.h) gives YAML, schema and documentation.
 class RangeChecks {
  public:
   explicit RangeChecks(std::string group) : group_(std::move(group)) {}

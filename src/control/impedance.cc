@@ -110,8 +110,8 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   out_.status.speed_limited |= joint_damper_.active();
   publish(limits_.apply(out_.terms.rightCols<2>().rowwise().sum(),
                         out_.terms.leftCols<kNullSpace>().rowwise().sum() + tau_damping,
-                        out_.terms.col(kNullSpace), arm, space_,
-                        contact.n, carrier ? normal_first(arm.v, settings_) : 0.0));
+                        out_.terms.col(kNullSpace), arm, space_, contact.n,
+                        carrier ? normal_first(arm.v, settings_) : 0.0));
   disturbance_.commanded(in, out_.tau);
   return out_;
 }

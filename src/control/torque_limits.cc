@@ -158,8 +158,8 @@ LimitedTorque TorqueLimits::nearest(const JointVector& tau, const JointMatrix& M
 
 LimitedTorque TorqueLimits::apply(const JointVector& hold, const JointVector& task,
                                   const JointVector& null, const ArmTerms& arm,
-                                  const OperationalSpace& space,
-                                  const Eigen::Vector3d& n, double rho) noexcept {
+                                  const OperationalSpace& space, const Eigen::Vector3d& n,
+                                  double rho) noexcept {
   LimitedTorque out{hold + task + null};
   if (!inside(out.tau)) {
     out.limited = true;

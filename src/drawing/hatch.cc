@@ -31,7 +31,8 @@ struct Turned {
 };
 
 Turned turned(const Area& area, double angle) {
-  Turned t{{std::cos(angle), -std::sin(angle)}, {std::sin(angle), std::cos(angle)}, {}, RegionIndex({})};
+  Turned t{
+      {std::cos(angle), -std::sin(angle)}, {std::sin(angle), std::cos(angle)}, {}, RegionIndex({})};
   Area in_H = area;
   for (auto& outline : in_H.outlines)
     for (Vector2d& p : outline) p = t.to_H(p);

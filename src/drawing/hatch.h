@@ -7,8 +7,8 @@
 // An area does not hide what was painted before it: overlapping areas each keep their lines. An
 // area narrower than the spacing may get none.
 //
-// The spacing is the page's. On the surface it is the same where the page is wrapped (±5 % on slopes
-// up to 45°), and up to 1 / cos(slope) wider where it is projected.
+// The spacing is the page's. On the surface it is the same where the page is wrapped (±5 % on
+// slopes up to 45°), and up to 1 / cos(slope) wider where it is projected.
 #pragma once
 
 #include <vector>

@@ -17,8 +17,9 @@
 // groups, named by Inkscape label, id or position, or its colours (layers.h).
 //
 // Text is drawn as the outlines of its glyphs, in the system's fonts, or in single strokes
-// (svg_letters.h). A warning names a font that is not installed and the one that replaces it. What the internal DTD declares (namespaces,
-// default attributes) counts. A pathLength stretches the dashes.
+// (svg_letters.h). A warning names a font that is not installed and the one that replaces it. What
+// the internal DTD declares (namespaces, default attributes) counts. A pathLength stretches the
+// dashes.
 //
 // Artwork::warnings tells what is lost, in the same words wherever it is printed: lengths that are
 // hidden or doubled, white shapes, pictures, animations, text that no font can show, filled shapes

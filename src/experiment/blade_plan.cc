@@ -131,14 +131,13 @@ void require_fit(const Scenario& s, const Plan& plan, const SurfaceHeight& surfa
   for (double t = 0.0; t < plan.path.duration(); t += 5e-3) {
     const PathSample sample = plan.path.at(t);
     const TipReference& at = sample.reference;
-    const double speed = std::abs(at.v_WD.dot(
-        turned_about(at.n_WD, at.x_WD, -plan.path_settings.heading->yaw)));
+    const double speed =
+        std::abs(at.v_WD.dot(turned_about(at.n_WD, at.x_WD, -plan.path_settings.heading->yaw)));
     if (sample.stroke < 0 || speed < 1e-3) continue;
     const double bend = std::abs(at.yaw_rate) / speed, beside = 0.5 * r * r * bend;
     const auto page = place_on(plan.strokes[static_cast<std::size_t>(sample.stroke)], sample.along);
-    const std::string place =
-        fmt::format("stroke {}, at page ({:.1f}, {:.1f}) mm", sample.stroke, page.page.x(),
-                    page.page.y());
+    const std::string place = fmt::format("stroke {}, at page ({:.1f}, {:.1f}) mm", sample.stroke,
+                                          page.page.x(), page.page.y());
     if (edge && s.tool.yaw_deg == 0.0 && beside > kMostSmear)
       refuse(fmt::format(
           "stands {:.2f} mm beside the line where that bends with a radius of {:.1f} mm: {}; valid "
@@ -155,10 +154,11 @@ void require_fit(const Scenario& s, const Plan& plan, const SurfaceHeight& surfa
       if (!middle || !there) continue;
       const double gap = n.dot(there->p_P - middle->p_P);
       if (std::abs(gap) > face.rest)
-        refuse(fmt::format("touches the curved surface with a part of it only, {:.2f} mm above the "
-                           "rest where it is pressed in by {:.2f} mm: {}; valid is a shorter one, "
-                           "or more control.normal_force",
-                           1e3 * std::abs(gap), 1e3 * face.rest, place));
+        refuse(
+            fmt::format("touches the curved surface with a part of it only, {:.2f} mm above the "
+                        "rest where it is pressed in by {:.2f} mm: {}; valid is a shorter one, "
+                        "or more control.normal_force",
+                        1e3 * std::abs(gap), 1e3 * face.rest, place));
     }
   }
 }

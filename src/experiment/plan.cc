@@ -137,7 +137,7 @@ class Planning {
   const SettingErrors& setting_errors_;
   const PrepareProgress& progress_;
   bool seen_;
-  double wrap_doubt_ = 0.0;      // [m]
+  double wrap_doubt_ = 0.0;  // [m]
   std::vector<std::string> heading_notes_;
   std::vector<int> of_artwork_;  // the artwork's number of each promised stroke
   Plan plan_;

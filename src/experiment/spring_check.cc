@@ -19,8 +19,7 @@ JointSpringSettings springs_as_stated(const ArmSettings& s, const ArmModel& arm,
   springs.loop_bandwidth = faster * s.torque_bandwidth;
   for (const double B : arm.rotor_inertia())
     springs.rotor_inertia.push_back(
-        std::min(kSpringRotorRange.highest,
-                 s.torque_bandwidth > 0.0 ? kRotors * B : B));
+        std::min(kSpringRotorRange.highest, s.torque_bandwidth > 0.0 ? kRotors * B : B));
   return springs;
 }
 

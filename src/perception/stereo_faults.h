@@ -7,9 +7,9 @@
 //   z' = (1 + b) z + σ₁ z² c,   then 1/z' is rounded to whole multiples of q = δ / (f B)
 // σ₁ = σ_d / (f B) is DepthNoise::sigma_at_1m, the error of a disparity over focal length and
 // baseline. c is Gaussian of unit variance that hangs together over some pixels, since a matcher
-// compares windows. The camera's own ε, c_x, c_y, k and b come from its seed. Beside a step in depth
-// pixels measure something between both sides; steep surfaces, and a few pixels anywhere, are not
-// measured.
+// compares windows. The camera's own ε, c_x, c_y, k and b come from its seed. Beside a step in
+// depth pixels measure something between both sides; steep surfaces, and a few pixels anywhere, are
+// not measured.
 //
 // Values at factor 1:
 //   ε, c, k  SD 0.17 %, 0.71 px of 640, 0.0037: what five views of a board leave of a calibration

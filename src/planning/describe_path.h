@@ -31,7 +31,8 @@ void describe(F& f, PathSettings& s) {
           "Largest acceleration between strokes.");
   f.field("turn_speed", s.turn_speed, {0.01, 10.0}, "rad/s",
           "Angular speed of the pen axis between strokes.");
-  f.constant("turn_acceleration", s.turn_acceleration, {0.01, 100.0}, "rad/s²");
+  f.field("turn_acceleration", s.turn_acceleration, {0.01, 100.0}, "rad/s²",
+          "Angular acceleration of the pen axis between strokes, and of a led tool along them.");
   f.field("safe_height", s.safe_height, Range::positive_to(1.0), "m",
           "Height of travel above the highest point of the drawing.");
   f.field("smoothing_time", s.smoothing_time, {0.0, 1.0}, "s",

@@ -60,8 +60,7 @@ Eigen::Vector2d BladeJudge::at(const Line& line, double along) {
   return line.p[i - 1] + std::clamp(share, 0.0, 1.0) * (line.p[i] - line.p[i - 1]);
 }
 
-double BladeJudge::nearest(const Line& line, const Eigen::Vector2d& p, double along,
-                           double about) {
+double BladeJudge::nearest(const Line& line, const Eigen::Vector2d& p, double along, double about) {
   double best = along, least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < line.p.size(); ++i) {
     if (line.along[i] < along - about || line.along[i - 1] > along + about) continue;

@@ -234,9 +234,10 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
     hooks.holds_pen = [&](const HeldPen& pen) { write_pen(folder / kPenFile, pen); };
     // An arm that cannot be started leaves the results of an earlier run.
     hooks.begun = [&] {
-      for (const char* stale : {"metrics.json", "report.html", "ink_top.svg", "ink_top.png",
-                                "ink_page.svg", "ink_page.png", "strokes.json", "incident.html",
-                                kPenFile, kCoverFile, kGrooveFile, kBladeFile, "cover.svg", "cover.png"})
+      for (const char* stale :
+           {"metrics.json", "report.html", "ink_top.svg", "ink_top.png", "ink_page.svg",
+            "ink_page.png", "strokes.json", "incident.html", kPenFile, kCoverFile, kGrooveFile,
+            kBladeFile, "cover.svg", "cover.png"})
         if (is_own_file(folder / stale)) fs::remove(folder / stale);
       if (!resumption) write_inputs(folder, experiment.scenario, experiment.inputs);
       if (watch.begun) watch.begun();

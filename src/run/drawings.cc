@@ -29,9 +29,9 @@ Move StandingDrawing::draw_again(const Situation& now) {
   if (drawn_again_.empty()) return {};
   const Pose X_KE = now.X_KE();
   const bool at_end = blocked_.parts().empty();
-  TipPath path = path_without_misses(e_, &drawn_again_, at_end ? end_.p_WD : X_KE.p,
-                                     at_end ? end_.n_WD : Eigen::Vector3d(-X_KE.R.col(2)), 0.0,
-                                     &now.pen.q);
+  TipPath path =
+      path_without_misses(e_, &drawn_again_, at_end ? end_.p_WD : X_KE.p,
+                          at_end ? end_.n_WD : Eigen::Vector3d(-X_KE.R.col(2)), 0.0, &now.pen.q);
   return drawn_again_.empty() ? Move{} : draw(std::move(path));
 }
 

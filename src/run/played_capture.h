@@ -22,8 +22,8 @@ namespace impedraw {
 
 class PlayedCapture {
  public:
-  // corrections: Belief's, of the views. Throws InputError like read_capture(), without a view after
-  // time 0, and for cameras that move.
+  // corrections: Belief's, of the views. Throws InputError like read_capture(), without a view
+  // after time 0, and for cameras that move.
   PlayedCapture(const PerceptionSettings& settings, const ArmModel& arm,
                 const std::vector<CameraCorrection>& corrections = {});
 

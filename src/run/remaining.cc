@@ -29,8 +29,9 @@ std::vector<StrokePart> remaining(const Experiment& e, const InkWatch& ink,
   done.insert(done.end(), given_up.begin(), given_up.end());
   // What a pad's centre missed for less than half a radius, its face has treated before and behind.
   const ToolSettings& tool = e.scenario.tool;
-  return rest_of(e.plan.strokes, done,
-                 tool.kind == ToolKind::pad ? 0.5 * tool.radius.value_or(PadSettings().radius) : kShortestGap);
+  return rest_of(
+      e.plan.strokes, done,
+      tool.kind == ToolKind::pad ? 0.5 * tool.radius.value_or(PadSettings().radius) : kShortestGap);
 }
 
 TipPath path_for(const Experiment& e, const std::vector<StrokePart>& parts,

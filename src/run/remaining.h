@@ -91,8 +91,8 @@ std::vector<StrokePart> remaining(const Experiment& experiment, const InkWatch& 
                                   const std::vector<StrokePart>& given_up = {});
 
 // A path for the parts, from the tip's pose in K: at p_KE, with the normal n_K. `hold`: time before
-// the first motion [s]; q: the posture, for a led heading, else that of the start. Throws OffSurface
-// where the surface has ended.
+// the first motion [s]; q: the posture, for a led heading, else that of the start. Throws
+// OffSurface where the surface has ended.
 TipPath path_for(const Experiment& experiment, const std::vector<StrokePart>& parts,
                  const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold,
                  const JointVector* q = nullptr);

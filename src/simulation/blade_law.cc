@@ -6,8 +6,8 @@
 namespace impedraw {
 
 PadSettings blade_edge(const BladeSettings& s, double radius, double force) {
-  constexpr double kDamping = 4e-3;                // b/k [s]
-  constexpr double kDeeper = 4.0, kLeast = 5e-3;   // of the depth; [m]
+  constexpr double kDamping = 4e-3;               // b/k [s]
+  constexpr double kDeeper = 4.0, kLeast = 5e-3;  // of the depth; [m]
   PadSettings edge;
   edge.face = PadFace::edge;
   edge.radius = radius > 0.0 ? radius : 0.5 * force / s.toughness;

@@ -473,9 +473,7 @@ void World::pose_body() noexcept {
   mj_kinematics(mujoco_->shape, mujoco_->shape_data);
 }
 
-void World::copy_body(PosedBody* body) const {
-  body->copy(mujoco_->shape, mujoco_->shape_data);
-}
+void World::copy_body(PosedBody* body) const { body->copy(mujoco_->shape, mujoco_->shape_data); }
 
 World::Terms World::terms() const {
   const mjModel* m = mujoco_->model;

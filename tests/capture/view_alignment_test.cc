@@ -109,8 +109,8 @@ TEST(ViewAlignment, ViewsAreFoundAgainToTenthsOfAMillimetre) {
     }
 }
 
-// A mug on a table turns about its axis all the same but for its handle, and depths come in steps of
-// a millimetre: exact views must not be moved for what the steps seem to tell.
+// A mug on a table turns about its axis all the same but for its handle, and depths come in steps
+// of a millimetre: exact views must not be moved for what the steps seem to tell.
 TEST(ViewAlignment, ExactViewsOfAMugStay) {
   TriangleMesh mesh;
   const auto sheet = [&mesh](int n, int m, const auto& at) {

@@ -58,8 +58,8 @@ std::filesystem::path urdf_of(const Arm& arm) {
   std::ifstream in("models/arms/" + arm.name + ".urdf");
   std::stringstream text;
   text << in.rdbuf();
-  const std::filesystem::path file = std::filesystem::temp_directory_path() /
-                                     (arm.name + std::to_string(getpid()) + ".urdf");
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / (arm.name + std::to_string(getpid()) + ".urdf");
   std::ofstream(file) << urdf_with_pen(text.str(), {0.12, 0.05});
   return file;
 }

@@ -234,9 +234,9 @@ TEST(TorqueLimits, TheRateIsSharedByLeastConstraint) {
   EXPECT_GT(free, 200);
 }
 
-// A direction that counts most: the metric's inverse is M⁻¹ + 9 Λ a aᵀ, a = M⁻¹ Jᵀ n, Λ = 1/(nᵀ J a),
-// and by random torques within the rates none is nearer. The defect: a canvas that rises at 75 mm/s
-// pressed with 13 N, because the torque built up as if the pen's tilt counted as much.
+// A direction that counts most: the metric's inverse is M⁻¹ + 9 Λ a aᵀ, a = M⁻¹ Jᵀ n, Λ = 1/(nᵀ J
+// a), and by random torques within the rates none is nearer. The defect: a canvas that rises at 75
+// mm/s pressed with 13 N, because the torque built up as if the pen's tilt counted as much.
 TEST(TorqueLimits, AFirstDirectionLacksLess) {
   ArmModel arm(kArm);
   const unsigned seed = 5;
@@ -259,7 +259,9 @@ TEST(TorqueLimits, AFirstDirectionLacksLess) {
     const Eigen::MatrixXd inverse = Eigen::MatrixXd(p.terms.M).inverse();
     const Eigen::VectorXd g = p.terms.J.topRows<3>().transpose() * n, a = inverse * g;
     const Eigen::MatrixXd metric = inverse + 9.0 / g.dot(a) * a * a.transpose();
-    const auto off = [&](const Eigen::VectorXd& x) { return (x - asked).dot(metric * (x - asked)); };
+    const auto off = [&](const Eigen::VectorXd& x) {
+      return (x - asked).dot(metric * (x - asked));
+    };
     EXPECT_LE((tau - last).cwiseAbs().maxCoeff(), 1.0 + 1e-12);
     EXPECT_LE(off(tau), off(other) + 1e-9);
     for (int k = 0; k < 200; ++k) {

@@ -1,5 +1,5 @@
 // A pen at rest before a canvas that rises, stands and goes back.
-#include "impedraw/run/control_loop.h"
+#include "impedraw/run/keep_away.h"
 
 #include <algorithm>
 #include <cmath>

@@ -286,9 +286,8 @@ TEST(Lies, AJointThatGoesOnHasNotStopped) {
 TEST(Lies, ASlowArmWhosePositionsStandStillIsStoppedAtOnce) {
   for (const char* name : {"bowl-sine", "bowl-sine-natural", "bowl-sine-realistic"}) {
     SCOPED_TRACE(name);
-    Prepared e =
-        prepared(name, {"path.draw_speed=0.005",
-                        "faults=[{kind: standing_state, start: 0.03, duration: 1000}]"});
+    Prepared e = prepared(name, {"path.draw_speed=0.005",
+                                 "faults=[{kind: standing_state, start: 0.03, duration: 1000}]"});
     double hardest = 0.0;
     RunHooks hooks;
     hooks.row = [&](const LogRow& row) { hardest = std::max(hardest, row.contact_force.norm()); };

@@ -46,8 +46,9 @@ class PlayedCaptureFolder : public ScratchFolder {
         const Pose& X = cameras[c].X_WC;
         const Eigen::Quaterniond q(X.R);
         views += fmt::format(
-            R"({}{{"depth": "{}", "depth_scale": {}, "width": {}, "height": {}, "fx": {}, "fy": {}, )"
-            R"("cx": {}, "cy": {}, "distortion": {{"model": "brown_conrady", "coefficients": [{}]}}, )"
+            R"({}{{"depth": "{}", "depth_scale": {}, "width": {}, "height": {}, "fx": {}, )"
+            R"("fy": {}, "cx": {}, "cy": {}, "distortion": {{"model": "brown_conrady", )"
+            R"("coefficients": [{}]}}, )"
             R"("X_WC": {{"p": [{}, {}, {}], "q_wxyz": [{}, {}, {}, {}]}}, "time": {}}})",
             views.empty() ? "" : ",\n", name, kScale, kLens.width, kLens.height, kLens.fx, kLens.fy,
             kLens.cx, kLens.cy, fmt::join(kLens.k, ", "), X.p.x(), X.p.y(), X.p.z(), q.w(), q.x(),

@@ -25,9 +25,9 @@ PadLoad load(const PadSettings& face, double heading, const Vector6& V, int step
   PlaneSettings settings;
   settings.centre = {0.0, 0.0, 0.0};
   const Canvas plane(make_plane(settings));
-  const Eigen::Matrix3d R = (Eigen::AngleAxisd(heading, Vector3d::UnitZ()) *
-                             Eigen::AngleAxisd(pi, Vector3d::UnitX()))
-                                .toRotationMatrix();
+  const Eigen::Matrix3d R =
+      (Eigen::AngleAxisd(heading, Vector3d::UnitZ()) * Eigen::AngleAxisd(pi, Vector3d::UnitX()))
+          .toRotationMatrix();
   PadContact contact(face);
   for (int i = 1; i < steps; ++i) contact.press(plane, {{0.01, 0.02, -depth}, R}, V, 1e-3);
   return contact.press(plane, {{0.01, 0.02, -depth}, R}, V, 1e-3);
@@ -86,9 +86,9 @@ TEST(Blade, TurnsOnTheSpotAgainstItsHalfLength) {
   PadContact contact(edge);
   double heading = 0.0, moment = 0.0;
   for (int i = 0; i < 3000; ++i, heading += 20e-3) {
-    const Eigen::Matrix3d R = (Eigen::AngleAxisd(heading, Vector3d::UnitZ()) *
-                               Eigen::AngleAxisd(pi, Vector3d::UnitX()))
-                                  .toRotationMatrix();
+    const Eigen::Matrix3d R =
+        (Eigen::AngleAxisd(heading, Vector3d::UnitZ()) * Eigen::AngleAxisd(pi, Vector3d::UnitX()))
+            .toRotationMatrix();
     moment = contact.press(plane, {Vector3d::Zero(), R}, V, 1e-3).m.z();
   }
   EXPECT_NEAR(moment, -M, 0.03 * M);

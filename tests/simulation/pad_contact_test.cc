@@ -91,7 +91,8 @@ TEST(Pad, AgreesWithDrakesHydroelasticContact) {
     SCOPED_TRACE(testing::Message() << disc.depth << " m, " << disc.tilt << " rad");
     const PadLoad at = load(pressed(disc.depth, disc.tilt));
     // Drake's springs lie along the plane's normal and push along the disc's, ours the other way
-    // round: its vertical force is cos² of ours. The moment is about where the axis meets the plane.
+    // round: its vertical force is cos² of ours. The moment is about where the axis meets the
+    // plane.
     const double cos2 = std::pow(std::cos(disc.tilt), 2);
     EXPECT_NEAR(cos2 * at.f.norm(), disc.force, 0.01 * disc.force);
     const Eigen::Vector3d axis = pressed(disc.depth, disc.tilt).R.col(2);

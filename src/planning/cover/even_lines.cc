@@ -80,8 +80,7 @@ Line uphill(const SurfaceGrid& g, const Unevenness& u, const Line& line, double 
     way.front() = way.back() = way.front() + way.back();
     along.front() = along.back() = along.front() + along.back();
   }
-  for (std::size_t i = 0; i < n; ++i)
-    way[i] = way[i] / along[i] + rim_pull(g, u, line[i], radius);
+  for (std::size_t i = 0; i < n; ++i) way[i] = way[i] / along[i] + rim_pull(g, u, line[i], radius);
   for (int k = 0; k < kSmoothings; ++k) {
     Line next = way;
     for (std::size_t i = 1; i + 1 < n; ++i)

@@ -16,10 +16,7 @@ const char* name_of(Phase phase) noexcept {
 
 TipPath::TipPath(PathParts parts, const std::vector<int>& numbers, const Pose& X_WP,
                  std::vector<ForceProfile> forces)
-    : parts_(std::move(parts)),
-      strokes_(numbers.size()),
-      forces_(std::move(forces)),
-      X_WP_(X_WP) {
+    : parts_(std::move(parts)), strokes_(numbers.size()), forces_(std::move(forces)), X_WP_(X_WP) {
   const std::vector<PathLeg>& legs = parts_.legs;
   for (std::size_t i = 0; i < numbers.size(); ++i) strokes_[i].number = numbers[i];
   std::vector<char> started(numbers.size(), 0);
@@ -91,8 +88,8 @@ PathSample TipPath::at(double t) const noexcept {
   if (parts_.legs.empty()) return sample;
   const bool done = t >= duration();
   t = std::clamp(t, 0.0, duration());
-  const auto after = std::ranges::upper_bound(parts_.legs.begin() + 1, parts_.legs.end(), t, {},
-                                              &PathLeg::start);
+  const auto after =
+      std::ranges::upper_bound(parts_.legs.begin() + 1, parts_.legs.end(), t, {}, &PathLeg::start);
   const PathLeg& leg = *std::prev(after);
   const double since = t - leg.start;
 
@@ -146,9 +143,8 @@ PathSample TipPath::at(double t) const noexcept {
   }
   if (parts_.heading) lead(leg, since, &reference);
   reference.p_WD = X_WP_.p + X_WP_.R * reference.p_WD;
-  for (Eigen::Vector3d* v :
-       {&reference.v_WD, &reference.a_WD, &reference.n_WD, &reference.w_WD, &reference.alpha_WD,
-        &reference.x_WD})
+  for (Eigen::Vector3d* v : {&reference.v_WD, &reference.a_WD, &reference.n_WD, &reference.w_WD,
+                             &reference.alpha_WD, &reference.x_WD})
     *v = X_WP_.R * *v;
   return sample;
 }

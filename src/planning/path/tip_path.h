@@ -14,7 +14,8 @@
 // its own; force_rate is the exact derivative.
 //
 // A tool's heading may be led (tool_heading.h). p then is E's, and not that of what follows the
-// stroke; dψ/du is differenced for the yaw's acceleration, and a is exact but for trail ω × (ω × x).
+// stroke; dψ/du is differenced for the yaw's acceleration, and a is exact but for trail ω × (ω ×
+// x).
 //
 // v and a are the exact derivatives of p, as w and alpha are of n. v, w and a are continuous,
 // corners and stops included. Speeds and accelerations always stay within their limits. Along a
@@ -58,8 +59,8 @@ struct StrokeTimes {
 // One segment of the path in time, with a single law of motion: the pen moves by at most one of
 // `spline` and `move`, from p, while n turns. Large drawings have a million; most need few parts.
 struct PathLeg {
-  double start = 0;  // [s]
-  double along = 0;  // without a spline: position on its stroke [m]
+  double start = 0;                             // [s]
+  double along = 0;                             // without a spline: position on its stroke [m]
   Eigen::Vector3d p = Eigen::Vector3d::Zero();  // [m]
   Eigen::Vector3d n = Eigen::Vector3d::UnitZ();
   int stroke = -1;   // in the order of the path

@@ -203,8 +203,8 @@ class Planner {
       axis = across.norm() > 1e-9 ? across.normalized() : n_.unitOrthogonal();
       leg.turn = static_cast<int>(parts_.turns.size());
       parts_.turns.push_back({axis, {angle, s_.turn_speed, s_.turn_acceleration}});
-      duration = std::max(
-          duration, rest_to_rest_duration(parts_.turns.back().progress, s_.smoothing_time));
+      duration = std::max(duration,
+                          rest_to_rest_duration(parts_.turns.back().progress, s_.smoothing_time));
     }
     if (spin != 0.0) {
       PathSpin& turned = parts_.spins[leg.spin];

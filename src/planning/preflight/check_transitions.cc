@@ -93,8 +93,7 @@ std::vector<Finding> check_transitions(const TipPath& path,
   };
 
   std::optional<Posture> last;
-  Vector3d asked_p = Vector3d::Zero(), asked_n = Vector3d::UnitZ(),
-           asked_x = Vector3d::UnitX();
+  Vector3d asked_p = Vector3d::Zero(), asked_n = Vector3d::UnitZ(), asked_x = Vector3d::UnitX();
   bool was_way = false;
   const auto ask = [&](double t) {
     const PathSample sample = path.at(t);

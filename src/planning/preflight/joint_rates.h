@@ -43,9 +43,9 @@ class JointRates {
   Pose X_WP_;
   bool vertical_pen_;
   std::optional<double> yaw_;  // of a led tool [rad]
-  JointVector limit_;    // share · v_max [rad/s]
-  double acceleration_;  // a_max [rad/s²]
-  JointVector torque_;   // share · τ_max [Nm]
+  JointVector limit_;          // share · v_max [rad/s]
+  double acceleration_;        // a_max [rad/s²]
+  JointVector torque_;         // share · τ_max [Nm]
   DrawingLoad load_;
   JointVector rest_, q_;
   ArmTerms terms_;
