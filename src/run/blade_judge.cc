@@ -82,14 +82,15 @@ void BladeJudge::add(const LogRow& row) {
                         middle = X_PW_ * row.tip_position - trail_ * x;
   const double place = nearest(line, middle.head<2>(), row.stroke_along, kWindow);
 
-  // Corners on either side bound the tangent.
-  double from = std::max(line.along.front(), place - kNear),
-         to = std::min(line.along.back(), place + kNear), corner_at = 1e9;
+  // Corners on either side of the plan's place bound the tangent: the nearest place may lie beyond.
+  double least = line.along.front(), most = line.along.back(), corner_at = 1e9;
   for (const double corner : line.corners) {
-    if (corner <= place) from = std::max(from, corner);
-    if (corner > place) to = std::min(to, corner);
+    if (corner <= row.stroke_along) least = std::max(least, corner);
+    if (corner > row.stroke_along) most = std::min(most, corner);
     if (std::abs(corner - place) < std::abs(corner_at - place)) corner_at = corner;
   }
+  const double here = std::clamp(place, least, most);
+  const double from = std::max(least, here - kNear), to = std::min(most, here + kNear);
   const double moved = row.stroke == last_stroke_ ? std::abs(row.stroke_along - last_along_) : 0.0;
   last_stroke_ = row.stroke;
   last_along_ = row.stroke_along;

@@ -32,14 +32,21 @@ Trace trace(const TipPath& path, const StrokeTimes& stroke) {
   return trace;
 }
 
-// Time at which the trace has come to `along`.
-double time_at(const Trace& trace, double along) {
-  const auto after = std::lower_bound(trace.along.begin(), trace.along.end(), along);
+// Time at `along`, between the samples before `after` and at it.
+double time_between(const Trace& trace, std::vector<double>::const_iterator after, double along) {
   if (after == trace.along.begin()) return trace.time.front();
   if (after == trace.along.end()) return trace.time.back();
   const auto i = static_cast<std::size_t>(after - trace.along.begin());
   const double share = (along - trace.along[i - 1]) / (trace.along[i] - trace.along[i - 1]);
   return trace.time[i - 1] + share * (trace.time[i] - trace.time[i - 1]);
+}
+
+// Times at which the trace comes to `along`, and goes on from there: a led tool turns at corners.
+double time_at(const Trace& trace, double along) {
+  return time_between(trace, std::ranges::lower_bound(trace.along, along), along);
+}
+double time_past(const Trace& trace, double along) {
+  return time_between(trace, std::ranges::upper_bound(trace.along, along), along);
 }
 
 struct Window {
@@ -94,7 +101,7 @@ std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPa
     for_slow_windows(slow, least_speed, [&](const Window& w) {
       if (!free) free = trace(unhindered, unhindered.strokes()[k]);
       const double fastest =
-          time_at(*free, slow.along[w.end]) - time_at(*free, slow.along[w.begin]);
+          time_past(*free, slow.along[w.end]) - time_at(*free, slow.along[w.begin]);
       if (slow.time[w.end] - slow.time[w.begin] < slowed * fastest) return;
       if (!merged.empty() && w.begin <= merged.back().end)
         merged.back().end = std::max(merged.back().end, w.end);
