@@ -11,8 +11,9 @@ namespace impedraw {
 
 // How the tool is led from the posture q on: its heading there, and how far the arm turns it about
 // its axis on the spot, either way, by inverse kinematics. The arm keeps preflight.joint_margin and
-// kReserve off that: elsewhere its base stands otherwise. Nothing for a tool that is not led.
-inline constexpr double kHeadingReserve = 0.25;  // [rad]
+// kHeadingReserve off that: elsewhere its base stands otherwise. Nothing for a tool that is not
+// led.
+inline constexpr double kHeadingReserve = 0.6;  // [rad]
 std::optional<ToolHeading> heading_of(const Scenario& scenario, const ArmModel& arm,
                                       const JointVector& q);
 

@@ -22,6 +22,10 @@ Eigen::Map<const Eigen::VectorXd> vector_of(const std::vector<double>& q) {
 PlayedCapture::PlayedCapture(const PerceptionSettings& settings, const ArmModel& arm,
                              const std::vector<CameraCorrection>& corrections)
     : latency_(settings.frames.latency), arm_(arm) {
+  if (!settings.frames.depth)
+    throw InputError(
+        "perception.frames.depth is false, and a capture that is played back has depths alone; "
+        "valid is true");
   capture_ = read_capture(
       settings.capture,
       [this](const std::vector<double>& q) { return arm_.tip_pose(vector_of(q)); }, true);

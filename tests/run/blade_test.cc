@@ -74,7 +74,7 @@ TEST(Blade, TheJudgeSeesAYawThatIsOff) {
 TEST(Blade, NamesWhatDoesNotFit) {
   EXPECT_THAT(refusal("bowl-blade", {"tool.radius=0.02"}), HasSubstr("tool.radius"));
   EXPECT_THAT(
-      refusal("bowl-blade", {"drawing.text=ab", "drawing.placement.height=4", "tool.radius=0.004"}),
+      refusal("bowl-blade", {"drawing.text.text=ab", "drawing.placement.height=4", "tool.radius=0.004"}),
       HasSubstr("tool.radius"));
   EXPECT_THAT(refusal("bowl-sine-blind", {"tool.kind=blade"}), HasSubstr("tool.kind"));
 }
