@@ -79,10 +79,12 @@ TEST(Blade, NamesWhatDoesNotFit) {
   EXPECT_THAT(refusal("bowl-sine-blind", {"tool.kind=blade"}), HasSubstr("tool.kind"));
 }
 
+// What the arm cannot reach after that, where its base has turned on, is left out by name.
 TEST(Blade, IsLiftedWhereTheArmCannotTurnOn) {
-  const Prepared circle = prepare(resolve_scenario("bowl-blade", {"drawing.shape=circle"}));
+  const Prepared circle = prepare(resolve_scenario(
+      "bowl-blade", {"drawing.shape=circle", "drawing.skip_unreachable=true"}));
   EXPECT_THAT(circle.plan.notes, ::testing::Contains(HasSubstr("yaw: the arm turns the tool by")));
-  EXPECT_TRUE(circle.plan.preflight.findings.empty());
+  EXPECT_GE(circle.plan.strokes.size(), 2u);
 }
 
 }  // namespace
