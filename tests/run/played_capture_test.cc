@@ -71,9 +71,11 @@ class PlayedCaptureFolder : public ScratchFolder {
   }
 
   std::vector<std::string> played(std::vector<std::string> more = {}) const {
-    more.insert(more.end(), {"perception.source=capture", "perception.capture=" + folder_.string(),
-                             "perception.frames.depth=true", "perception.fiducials.points=[]",
-                             "preflight.arm=false"});
+    // Later settings win: `more` comes last.
+    more.insert(more.begin(),
+                {"perception.source=capture", "perception.capture=" + folder_.string(),
+                 "perception.frames.depth=true", "perception.fiducials.points=[]",
+                 "preflight.arm=false"});
     return more;
   }
 };
