@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "impedraw/common/cross.h"
+
 namespace impedraw {
 
 using Eigen::Vector2d;
@@ -51,11 +53,15 @@ std::vector<std::size_t> simplified(const std::vector<Vector2d>& line, double to
   return indices;
 }
 
+double turn_at(const std::vector<Vector2d>& line, std::size_t i) {
+  const Vector2d a = line[i] - line[i - 1], b = line[i + 1] - line[i];
+  return std::atan2(cross(a, b), a.dot(b));
+}
+
 std::vector<std::size_t> corners(const std::vector<Vector2d>& line, double angle) {
   std::vector<std::size_t> found;
   for (std::size_t i = 1; i + 1 < line.size(); ++i) {
-    const Vector2d a = line[i] - line[i - 1], b = line[i + 1] - line[i];
-    if (std::abs(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b))) > angle) found.push_back(i);
+    if (std::abs(turn_at(line, i)) > angle) found.push_back(i);
   }
   return found;
 }

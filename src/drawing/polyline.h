@@ -17,6 +17,9 @@ double distance(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& li
 // (Douglas and Peucker). The ends stay.
 std::vector<std::size_t> simplified(const std::vector<Eigen::Vector2d>& line, double tolerance);
 
+// Turn of the line at its inner vertex i, counter-clockwise, within ± π [rad].
+double turn_at(const std::vector<Eigen::Vector2d>& line, std::size_t i);
+
 // Indices of the vertices where the line turns by more than `angle` [rad]. Precondition:
 // consecutive points differ.
 std::vector<std::size_t> corners(const std::vector<Eigen::Vector2d>& line, double angle);

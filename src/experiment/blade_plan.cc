@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
+#include "impedraw/drawing/polyline.h"
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
@@ -16,11 +17,6 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMostSmear = 2e-4;  // of an edge's ends beside the line [m]
 constexpr double kLook = 5e-3;       // between places on the surface [m]
-
-double turn_at(const std::vector<Eigen::Vector2d>& p, std::size_t i) {
-  const Eigen::Vector2d a = p[i] - p[i - 1], b = p[i + 1] - p[i];
-  return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
-}
 
 // How far the arm turns the tool about n in one direction, from q [rad].
 double turn_range(ArmModel* arm, const JointVector& q_0, double way, double margin) {

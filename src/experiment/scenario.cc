@@ -375,14 +375,22 @@ bool is_rehearsal(const Scenario& s) {
   return s.canvas.kind == CanvasKind::seen && s.arm.driver == ArmDriver::sim;
 }
 
-std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force) {
-  if (tool.kind != ToolKind::pad) return std::nullopt;
+namespace {
+
+PadSettings foam_of(const ToolSettings& tool, double friction, double force) {
   PadSettings pad;
   pad.radius = tool.radius.value_or(pad.radius);
   pad.stiffness = tool.foam_stiffness;
   pad.friction = friction;
   pad.rest = force / (pad.stiffness * pad.area());
   return pad;
+}
+
+}  // namespace
+
+std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force) {
+  if (tool.kind != ToolKind::pad) return std::nullopt;
+  return foam_of(tool, friction, force);
 }
 
 std::optional<PadSettings> face_of(const Scenario& s) {
@@ -394,11 +402,10 @@ std::optional<PadSettings> face_of(const Scenario& s) {
     edge.trail = s.tool.trail;
     return edge;
   }
-  ToolSettings pad = s.tool;
-  if (is_led(s.tool)) pad.kind = ToolKind::pad;
-  std::optional<PadSettings> face = pad_of(pad, s.world.tip.friction, force);
-  if (face && is_led(s.tool)) *face = roller_line(*face, s.tool.trail, force);
-  return face;
+  const double friction = s.world.tip.friction;
+  if (s.tool.kind == ToolKind::roller)
+    return roller_line(foam_of(s.tool, friction, force), s.tool.trail, force);
+  return pad_of(s.tool, friction, force);
 }
 
 std::optional<CutterSettings> cutter_of(const ToolSettings& tool) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "impedraw/control/heading.h"
+#include "impedraw/drawing/polyline.h"
 #include "impedraw/ink/ink_lines.h"
 #include "impedraw/log/log_step.h"
 #include "impedraw/run/groove.h"
@@ -44,11 +45,7 @@ BladeJudge::BladeJudge(const Experiment& e)
       line.p.push_back(p);
       line.along.push_back(along);
     }
-    for (std::size_t i = 1; i + 1 < line.p.size(); ++i) {
-      const Eigen::Vector2d a = line.p[i] - line.p[i - 1], b = line.p[i + 1] - line.p[i];
-      const double turn = std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
-      if (std::abs(turn) > corner) line.corners.push_back(line.along[i]);
-    }
+    for (const std::size_t i : corners(line.p, corner)) line.corners.push_back(line.along[i]);
     corners_ += static_cast<int>(line.corners.size());
   }
 }

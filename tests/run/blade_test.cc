@@ -73,16 +73,16 @@ TEST(Blade, TheJudgeSeesAYawThatIsOff) {
 
 TEST(Blade, NamesWhatDoesNotFit) {
   EXPECT_THAT(refusal("bowl-blade", {"tool.radius=0.02"}), HasSubstr("tool.radius"));
-  EXPECT_THAT(
-      refusal("bowl-blade", {"drawing.text.text=ab", "drawing.placement.height=4", "tool.radius=0.004"}),
-      HasSubstr("tool.radius"));
+  EXPECT_THAT(refusal("bowl-blade",
+                      {"drawing.text.text=ab", "drawing.placement.height=4", "tool.radius=0.004"}),
+              HasSubstr("tool.radius"));
   EXPECT_THAT(refusal("bowl-sine-blind", {"tool.kind=blade"}), HasSubstr("tool.kind"));
 }
 
 // What the arm cannot reach after that, where its base has turned on, is left out by name.
 TEST(Blade, IsLiftedWhereTheArmCannotTurnOn) {
-  const Prepared circle = prepare(resolve_scenario(
-      "bowl-blade", {"drawing.shape=circle", "drawing.skip_unreachable=true"}));
+  const Prepared circle = prepare(
+      resolve_scenario("bowl-blade", {"drawing.shape=circle", "drawing.skip_unreachable=true"}));
   EXPECT_THAT(circle.plan.notes, ::testing::Contains(HasSubstr("yaw: the arm turns the tool by")));
   EXPECT_GE(circle.plan.strokes.size(), 2u);
 }

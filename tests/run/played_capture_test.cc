@@ -72,10 +72,10 @@ class PlayedCaptureFolder : public ScratchFolder {
 
   std::vector<std::string> played(std::vector<std::string> more = {}) const {
     // Later settings win: `more` comes last.
-    more.insert(more.begin(),
-                {"perception.source=capture", "perception.capture=" + folder_.string(),
-                 "perception.frames.depth=true", "perception.fiducials.points=[]",
-                 "preflight.arm=false"});
+    more.insert(
+        more.begin(),
+        {"perception.source=capture", "perception.capture=" + folder_.string(),
+         "perception.frames.depth=true", "perception.fiducials.points=[]", "preflight.arm=false"});
     return more;
   }
 };

@@ -34,21 +34,25 @@ JointRates::JointRates(const ArmModel& arm, const PathSettings& settings,
       q_(start_q),
       terms_(arm.joints()) {}
 
+PenPlacement JointRates::placement(const SplinePoint& at) const {
+  const Eigen::Vector3d n = vertical_pen_ ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : at.n;
+  PenPlacement pen{X_WP_ * at.p, -(X_WP_.R * n)};
+  if (yaw_) pen.x_WE = X_WP_.R * turned_about(n, heading_at(at).t, *yaw_);
+  return pen;
+}
+
 // Moves q_ to the pen placement at a point of the spline as the controller does: by the motion of
 // least kinetic energy, q̇ = J̄ V, without turning about the pen; the redundant joints relax towards
 // rest.
 bool JointRates::follow(const SplinePoint& at, double moved) {
   constexpr int kMostSteps = 12;
   constexpr double kReached = 1e-7;  // [m], [rad]
-  const Eigen::Vector3d n = vertical_pen_ ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : at.n;
-  const Eigen::Vector3d p_W = X_WP_ * at.p, z_W = -(X_WP_.R * n);
-  Eigen::Vector3d x_W = Eigen::Vector3d::Zero();
-  if (yaw_) x_W = X_WP_.R * turned_about(n, heading_at(at).t, *yaw_);
+  const PenPlacement pen = placement(at);
   JointVector q = q_;
   double relax = 1.0 - std::exp(-moved / kRelax);
   for (int i = 0; i < kMostSteps; ++i) {
     arm_.compute(q, JointVector::Zero(q.size()), &terms_);
-    const Vector6 off = tip_displacement(terms_.X_WE, p_W, z_W, x_W);
+    const Vector6 off = tip_displacement(terms_.X_WE, pen.p_WE, pen.z_WE, pen.x_WE);
     if (i > 0 && off.cwiseAbs().maxCoeff() < kReached) {
       q_ = q;
       return true;
@@ -66,9 +70,7 @@ bool JointRates::follow(const SplinePoint& at, double moved) {
 void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* spans) {
   // The arm comes from elsewhere, and settles.
   const SplinePoint first = spline.at(0.0);
-  const Eigen::Vector3d n = vertical_pen_ ? Eigen::Vector3d(Eigen::Vector3d::UnitZ()) : first.n;
-  PenPlacement at_first{X_WP_ * first.p, -(X_WP_.R * n)};
-  if (yaw_) at_first.x_WE = X_WP_.R * turned_about(n, heading_at(first).t, *yaw_);
+  const PenPlacement at_first = placement(first);
   IkResult begun = find_posture(arm_, at_first, q_);
   // The part before may have wound the joints up beyond their limits.
   if (!begun.reached) begun = find_posture(arm_, at_first, rest_);

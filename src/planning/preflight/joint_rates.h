@@ -15,6 +15,7 @@
 #pragma once
 
 #include "impedraw/arm/arm_model.h"
+#include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/planning/path/tip_planner.h"
 
 namespace impedraw {
@@ -38,6 +39,7 @@ class JointRates {
 
  private:
   bool follow(const SplinePoint& at, double moved);
+  PenPlacement placement(const SplinePoint& at) const;
 
   ArmModel arm_;
   Pose X_WP_;
