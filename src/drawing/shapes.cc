@@ -67,14 +67,13 @@ std::vector<Vector2d> whole_circle() {
 std::vector<std::string> shape_names() { return {"M", "sine", "sine10", "circle"}; }
 
 Shape make_shape(const std::string& name) {
-  if (name == "sine") return {one_stroke(name, smooth_sine()), one_stroke(name, smooth_sine())};
+  if (name == "sine") return {one_stroke(name, smooth_sine())};
   if (name == "sine10") {
     std::vector<Vector2d> set_points;
     for (int i = 0; i < 10; ++i) set_points.push_back(sine_at(-kHalfWidth + i * 100.0 / 3.0));
     return {one_stroke(name, set_points), one_stroke(name, smooth_sine())};
   }
-  if (name == "circle")
-    return {one_stroke(name, whole_circle(), true), one_stroke(name, whole_circle(), true)};
+  if (name == "circle") return {one_stroke(name, whole_circle(), true)};
   if (name == "M") {
     const std::vector<Vector2d> corners{{-80, 80}, {-80, -80}, {0, 0}, {80, -80}, {80, 80}};
     return {one_stroke(name, corners), one_stroke(name, subdivided(corners))};

@@ -11,6 +11,7 @@
 // The sine thus runs from the page's right (y = −0.15) to its left.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,11 @@ namespace impedraw {
 
 struct Shape {
   Artwork drawn;  // the commanded strokes
-  // the ideal result, with as many strokes; points at most 0.1 mm apart, exactly on the formula
-  Artwork target;
+  // The ideal result, where it is another, with as many strokes; points at most 0.1 mm apart, exactly
+  // on the formula.
+  std::optional<Artwork> ideal = std::nullopt;
+
+  const Artwork& target() const { return ideal ? *ideal : drawn; }
 };
 
 std::vector<std::string> shape_names();     // M, sine, sine10, circle

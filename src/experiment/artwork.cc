@@ -120,7 +120,7 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
   }
   if (!s.keep_order)
     artwork.strokes = in_order(artwork.strokes, shortest_order(artwork.strokes, {}, progress));
-  return {artwork, artwork};
+  return {std::move(artwork)};
 }
 
 Pose drawing_frame(const DrawingSettings& s) {
@@ -151,7 +151,7 @@ PlacedArtwork load_artwork(const DrawingSettings& s, const SettingErrors& settin
   artwork.strokes = placed_strokes(artwork.shape.drawn, artwork.placement);
   setting_errors.locate(placement_setting_names(),
                         [&] { require_short(artwork.strokes, artwork.shape.drawn.name); });
-  artwork.desired = placed_strokes(artwork.shape.target, artwork.placement);
+  if (artwork.shape.ideal) artwork.ideal = placed_strokes(*artwork.shape.ideal, artwork.placement);
   artwork.notes = artwork.shape.drawn.warnings;
   return artwork;
 }

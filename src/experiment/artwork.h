@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,11 @@ struct PlacedArtwork {
   Placement placement;  // of the page on the drawing plane
   Pose X_WP;            // drawing frame P, z out of the drawing plane
   // Both are flat on the drawing plane and numbered like the artwork's strokes.
-  std::vector<PlacedStroke> strokes;  // as drawn
-  std::vector<PlacedStroke> desired;  // the desired result
-  std::vector<std::string> notes;     // deviations from the artwork, one line each
+  std::vector<PlacedStroke> strokes;               // as drawn
+  std::optional<std::vector<PlacedStroke>> ideal;  // the ideal result, where it is another
+  std::vector<std::string> notes;                  // deviations from the artwork, one line each
+
+  const std::vector<PlacedStroke>& desired() const { return ideal ? *ideal : strokes; }
 };
 
 // `progress`: called now and then with the share of the ordering, which takes longest. Throws

@@ -102,8 +102,10 @@ void give_cuts(const Scenario& s, const CutterSettings& cutter, PlacedArtwork* a
   const std::vector<double> depths = depths_of(s.tool);
   const std::size_t n = artwork->strokes.size();
   lay(&artwork->shape.drawn.strokes, n, depths.size());
-  lay(&artwork->shape.target.strokes, artwork->shape.target.strokes.size(), depths.size());
-  for (auto* lines : {&artwork->strokes, &artwork->desired}) {
+  if (auto& ideal = artwork->shape.ideal)
+    lay(&ideal->strokes, ideal->strokes.size(), depths.size());
+  for (auto* lines : {&artwork->strokes, artwork->ideal ? &*artwork->ideal : nullptr}) {
+    if (!lines) continue;
     const std::size_t one = lines->size();
     lay(lines, one, depths.size());
     for (std::size_t i = 0; i < lines->size(); ++i) {

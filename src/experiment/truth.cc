@@ -27,7 +27,7 @@ SurfaceHeight judged_surface(const Belief& belief, const Truth& truth, const Pos
 // another map.
 std::vector<PlacedStroke> desired_strokes(const PlannedDrawing& e, const SurfaceHeight& judged) {
   const Plan& plan = e.plan;
-  if (!plan.wrap) return plan.preflight.findings.empty() ? e.artwork.desired : plan.strokes;
+  if (!plan.wrap) return plan.preflight.findings.empty() ? e.artwork.desired() : plan.strokes;
   std::vector<PlacedStroke> desired = plan.strokes;
   if (!e.belief.perception) return desired;
   for (PlacedStroke& stroke : desired)

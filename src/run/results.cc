@@ -78,7 +78,7 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
     picture.R_WP = artwork.X_WP.R;
     picture.left_out = left_out_in(folder / "strokes.json");
     write_ink_top(run, drawn, folder / "ink_top", picture);
-    write_ink_page(run, drawn, to_page, artwork.shape.target.page, folder / "ink_page", picture);
+    write_ink_page(run, drawn, to_page, artwork.shape.target().page, folder / "ink_page", picture);
   });
   Metrics metrics = compute_metrics(run, drawn, canvas);
   if (std::filesystem::exists(folder / kIncidentFile)) metrics.ending.incident = kIncidentFile;

@@ -26,7 +26,7 @@ double largest_step(const std::vector<Vector2d>& line) {
 
 TEST(Shapes, SineFollowsItsFormulaInTheWorld) {
   const Shape shape = make_shape("sine");
-  for (const Artwork& artwork : {shape.drawn, shape.target}) {
+  for (const Artwork& artwork : {shape.drawn, shape.target()}) {
     const std::vector<Vector2d> line = in_world(artwork);
     EXPECT_NEAR(line.front().y(), -0.15, 1e-12);
     EXPECT_NEAR(line.back().y(), 0.15, 1e-12);
@@ -45,7 +45,7 @@ TEST(Shapes, MHasItsFiveCorners) {
   ASSERT_EQ(corners.size(), expected.size());
   for (std::size_t i = 0; i < corners.size(); ++i)
     EXPECT_LT((corners[i] - expected[i]).norm(), 1e-12);
-  const std::vector<Vector2d> target = in_world(shape.target);
+  const std::vector<Vector2d> target = in_world(shape.target());
   EXPECT_LE(largest_step(target), 1e-4 + 1e-12);
   EXPECT_NEAR(lines::length(target), 0.32 + 2 * std::hypot(0.08, 0.08), 1e-12);
 }
@@ -61,12 +61,12 @@ TEST(Shapes, TenSetPointsAreJoinedAndTheTargetStaysSmooth) {
             .norm(),
         1e-12);
   }
-  EXPECT_EQ(shape.target.strokes.at(0).points, make_shape("sine").target.strokes.at(0).points);
+  EXPECT_EQ(shape.target().strokes.at(0).points, make_shape("sine").target().strokes.at(0).points);
 }
 
 TEST(Shapes, CircleIsClosedAndOnItsRadius) {
   const Shape shape = make_shape("circle");
-  for (const Artwork& artwork : {shape.drawn, shape.target}) {
+  for (const Artwork& artwork : {shape.drawn, shape.target()}) {
     EXPECT_TRUE(artwork.strokes.at(0).closed);
     const std::vector<Vector2d> line = in_world(artwork);
     EXPECT_EQ(line.front(), line.back());

@@ -30,7 +30,7 @@ class MadeArtwork : public testing::Test {
 
   Artwork made() const {
     const Shape shape = make_artwork(settings_, SettingErrors(places_));
-    EXPECT_EQ(shape.drawn.strokes.size(), shape.target.strokes.size());
+    EXPECT_EQ(shape.drawn.strokes.size(), shape.target().strokes.size());
     return shape.drawn;
   }
   double length() const { return pen_down_length(made().strokes); }

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 TEST(Target, BuiltInsLieOnTheirFormulaAndTheCanvas) {
   for (const std::string& name : shape_names()) {
     SCOPED_TRACE(name);
-    const Artwork artwork = make_shape(name).target;
+    const Artwork artwork = make_shape(name).target();
     const TargetLine line =
         project_target(placed_strokes(artwork, place(artwork, shape_placement())), surfaces::bowl);
     ASSERT_EQ(line.points.size(), line.stroke.size());
