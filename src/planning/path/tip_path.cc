@@ -102,7 +102,8 @@ PathSample TipPath::at(double t) const noexcept {
   reference.pen_down = leg.pen_down && !done;
 
   reference.p_WD = leg.p;
-  reference.n_WD = leg.n;
+  const Vector3d& n = parts_.normals[leg.normal];
+  reference.n_WD = n;
   if (leg.move >= 0) {
     const auto& [direction, progress] = parts_.moves[leg.move];
     const SpeedState along = rest_to_rest(progress, parts_.smoothing_time, since);
@@ -137,7 +138,7 @@ PathSample TipPath::at(double t) const noexcept {
   if (leg.turn >= 0) {
     const auto& [axis, progress] = parts_.turns[leg.turn];
     const SpeedState turn = rest_to_rest(progress, parts_.smoothing_time, since);
-    reference.n_WD = std::cos(turn.x) * leg.n + std::sin(turn.x) * axis.cross(leg.n);
+    reference.n_WD = std::cos(turn.x) * n + std::sin(turn.x) * axis.cross(n);
     reference.w_WD = turn.speed * axis;
     reference.alpha_WD = turn.acceleration * axis;
   }

@@ -62,14 +62,14 @@ struct PathLeg {
   double start = 0;                             // [s]
   double along = 0;                             // without a spline: position on its stroke [m]
   Eigen::Vector3d p = Eigen::Vector3d::Zero();  // [m]
-  Eigen::Vector3d n = Eigen::Vector3d::UnitZ();
-  int stroke = -1;   // in the order of the path
+  int normal = 0;                               // n at the start, of PathParts
+  int stroke = -1;                              // in the order of the path
   int pressed = -1;  // ≥ 0: the pen has the force of that stroke: of `along`, or the spline's
   int spline = -1, move = -1, turn = -1, spin = -1;  // ≥ 0: of PathParts; a spline is moved by p
   Phase phase = Phase::travel;
   bool pen_down = false;
   bool pause = false;        // begins with a pause
-  bool fixed_normal = true;  // n, and its turn; false: the spline's normal
+  bool fixed_normal = true;  // that n, and its turn; false: the spline's normal
 };
 // From rest to rest along or about a unit vector [m, rad].
 struct PathMove {
@@ -90,6 +90,7 @@ struct TimedSpline {
 };
 struct PathParts {
   std::vector<PathLeg> legs;
+  std::vector<Eigen::Vector3d> normals;  // n where it has turned; legs share them
   std::vector<PathMove> moves, turns;
   std::vector<PathSpin> spins;  // of every leg, or none
   std::vector<TimedSpline> splines;

@@ -173,7 +173,8 @@ class Planner {
     leg.pressed = pen_down ? pressed_ : -1;
     leg.along = along_;
     leg.p = p_;
-    leg.n = n_;
+    if (parts_.normals.empty() || parts_.normals.back() != n_) parts_.normals.push_back(n_);
+    leg.normal = static_cast<int>(parts_.normals.size()) - 1;
     if (s_.heading) {
       leg.spin = static_cast<int>(parts_.spins.size());
       parts_.spins.push_back({.x = x_});
