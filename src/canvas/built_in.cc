@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <string_view>
@@ -19,7 +20,7 @@
 namespace impedraw {
 namespace {
 
-constexpr double kMostShapeTriangles = 2e7;  // more is probably a wrong unit
+constexpr double kMostShapeTriangles = 2e6;  // 1.5 m square in the usual cells of 1.5 mm
 
 // Checks of the sizes of built-in canvases. Each throws InputError naming the shape, the setting,
 // its value and what would be valid.
@@ -30,14 +31,9 @@ void require_at_most(std::string_view shape, std::string_view name, double value
         fmt::format("{}.{} is {} m, allowed is at most {}, {} m", shape, name, value, what, most));
 }
 
-// Limits the number of triangles to what fits in memory easily.
-void require_fair_size(std::string_view shape, double edge, double triangles) {
-  if (triangles > kMostShapeTriangles) {
-    throw InputError(
-        fmt::format("{}.edge is {} m, which makes {:.0e} triangles, at most {:.0e} are made: take "
-                    "a longer edge",
-                    shape, edge, triangles, kMostShapeTriangles));
-  }
+// The edge of two triangles to a square, longer where the area [m²] would take too many of them.
+double fair_edge(double edge, double area) {
+  return std::max(edge, std::sqrt(2.0 * area / kMostShapeTriangles));
 }
 
 void validate(std::string_view shape, const CapSettings& s) {
@@ -63,11 +59,11 @@ TriangleMesh cap_about_z(const CapSettings& s) {
   return ring_mesh(s.radius, rings);
 }
 
-TriangleMesh cap(std::string_view shape, const CapSettings& s, double up) {
+TriangleMesh cap(std::string_view shape, CapSettings s, double up) {
   validate(shape, s);
   const double area = 2.0 * std::numbers::pi * s.radius * s.radius *
                       (1.0 - std::sqrt(1.0 - std::pow(s.opening_radius / s.radius, 2)));
-  require_fair_size(shape, s.edge, area / (s.edge * s.edge * std::sqrt(3.0) / 4.0));
+  s.edge = fair_edge(s.edge, area);
   TriangleMesh mesh = cap_about_z(s);
   // up = −1 mirrors the cap to the sphere's lowest part. The mirror also reverses the winding, so
   // that the normals point inward.
@@ -85,15 +81,14 @@ TriangleMesh make_plane(const PlaneSettings& s) {
   require_ranges("plane", s);
   if (s.normal.norm() < 1e-9)
     throw InputError("plane.normal is (0, 0, 0), allowed is any other direction");
-  require_fair_size("plane", s.edge, 2.0 * s.width * s.height / (s.edge * s.edge));
-
+  const double edge = fair_edge(s.edge, s.width * s.height);
   const Eigen::Vector3d z = s.normal.normalized();
   const Eigen::Vector3d along =
       std::abs(z.x()) < 0.99 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
   const Eigen::Vector3d x = (along - z * z.dot(along)).normalized();
   const Eigen::Vector3d y = z.cross(x);
-  const int columns = std::max(1, static_cast<int>(std::lround(s.width / s.edge)));
-  const int rows = std::max(1, static_cast<int>(std::lround(s.height / s.edge)));
+  const int columns = std::max(1, static_cast<int>(std::lround(s.width / edge)));
+  const int rows = std::max(1, static_cast<int>(std::lround(s.height / edge)));
   return grid_mesh(columns, rows, [&](double u, double v) -> Eigen::Vector3d {
     return s.centre + x * (s.width * (u - 0.5)) + y * (s.height * (v - 0.5));
   });
@@ -101,28 +96,33 @@ TriangleMesh make_plane(const PlaneSettings& s) {
 
 namespace {
 
-template <class Settings>
-void validate(std::string_view shape, const Settings& settings) {
-  require_ranges(std::string(shape), settings);
-  const FootprintSettings& s = settings.footprint;
-  require_fair_size(shape, s.edge, 2.0 * s.width * s.height / (s.edge * s.edge));
-}
+// The distributions of <random> differ from one library to the next; the generator's bits do not.
+class Random {
+ public:
+  explicit Random(int seed) : bits_(static_cast<std::uint64_t>(seed)) {}
+  double uniform() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
+  double normal() {
+    const double u = 1.0 - uniform(), v = uniform();
+    return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
+  }
 
-// A coarser grid would show a different wave.
-void require_fine_edge(std::string_view shape, const FootprintSettings& s, std::string_view what,
-                       double wavelength) {
-  require_at_most(shape, "edge", s.edge, what, wavelength / 8.0);
+ private:
+  std::mt19937_64 bits_;
+};
+
+// The side of a cell, at most `longest`: a coarser grid would show a different wave.
+double cell_of(const FootprintSettings& s, double longest) {
+  return std::min(fair_edge(s.edge, s.width * s.height), longest);
 }
 
 template <class Height>
-TriangleMesh graph(const FootprintSettings& s, const Height& h) {
+TriangleMesh graph(const FootprintSettings& s, double edge, const Height& h) {
   const double heading = s.heading_deg * std::numbers::pi / 180.0;
   const Eigen::Vector3d e_x(std::cos(heading), std::sin(heading), 0.0);
   const Eigen::Vector3d e_y(-e_x.y(), e_x.x(), 0.0);
-  return grid_mesh(cells(s.width, s.edge), cells(s.height, s.edge),
+  return grid_mesh(cells(s.width, edge), cells(s.height, edge),
                    [&](double u, double v) -> Eigen::Vector3d {
-                     const double x = s.width * (u - 0.5);
-                     const double y = s.height * (v - 0.5);
+                     const double x = s.width * (u - 0.5), y = s.height * (v - 0.5);
                      return s.centre + x * e_x + y * e_y + h(x, y) * Eigen::Vector3d::UnitZ();
                    });
 }
@@ -130,36 +130,34 @@ TriangleMesh graph(const FootprintSettings& s, const Height& h) {
 }  // namespace
 
 TriangleMesh make_wave(const WaveSettings& s) {
-  validate("wave", s);
-  require_fine_edge("wave", s.footprint, "an eighth of the wavelength", s.wavelength);
-  return graph(s.footprint, [&](double x, double) {
+  require_ranges("wave", s);
+  return graph(s.footprint, cell_of(s.footprint, s.wavelength / 8.0), [&](double x, double) {
     return s.amplitude * std::sin(2.0 * std::numbers::pi * x / s.wavelength);
   });
 }
 
 TriangleMesh make_saddle(const SaddleSettings& s) {
-  validate("saddle", s);
-  return graph(s.footprint, [&](double x, double y) { return (x * x - y * y) / (2.0 * s.radius); });
+  require_ranges("saddle", s);
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  return graph(s.footprint, cell_of(s.footprint, kAny),
+               [&](double x, double y) { return (x * x - y * y) / (2.0 * s.radius); });
 }
 
 TriangleMesh make_terrain(const TerrainSettings& s) {
-  validate("terrain", s);
-  require_fine_edge("terrain", s.footprint, "an eighth of the feature", s.feature);
+  require_ranges("terrain", s);
 
   struct Wave {
     double k_x, k_y, phase;
   };
-  std::mt19937_64 bits(static_cast<std::uint64_t>(s.seed));
-  // The distributions of <random> differ from one library to the next; the generator's bits do not.
-  const auto uniform = [&bits] { return static_cast<double>(bits() >> 11) * 0x1p-53; };
+  Random random(s.seed);
   std::vector<Wave> waves;
   for (int i = 0; i < s.kWaves; ++i) {
-    const double k = 2.0 * std::numbers::pi / (s.feature * (1.0 + uniform()));
-    const double heading = std::numbers::pi * (i + uniform()) / s.kWaves;
+    const double k = 2.0 * std::numbers::pi / (s.feature * (1.0 + random.uniform()));
+    const double heading = std::numbers::pi * (i + random.uniform()) / s.kWaves;
     waves.push_back(
-        {k * std::cos(heading), k * std::sin(heading), 2.0 * std::numbers::pi * uniform()});
+        {k * std::cos(heading), k * std::sin(heading), 2.0 * std::numbers::pi * random.uniform()});
   }
-  return graph(s.footprint, [&](double x, double y) {
+  return graph(s.footprint, cell_of(s.footprint, s.feature / 8.0), [&](double x, double y) {
     double sum = 0.0;
     for (const Wave& w : waves) sum += std::sin(w.k_x * x + w.k_y * y + w.phase);
     return s.amplitude / s.kWaves * sum;
@@ -175,12 +173,12 @@ TriangleMesh part_of_cylinder(std::string_view shape, const CylinderSettings& s,
   require_at_most(shape, "edge", s.edge, "the width", s.width);
   const double half_angle = std::asin(std::min(1.0, 0.5 * s.width / s.radius));
   const double arc = 2.0 * s.radius * half_angle;
-  require_fair_size(shape, s.edge, 2.0 * s.length * arc / (s.edge * s.edge));
+  const double edge = fair_edge(s.edge, s.length * arc);
 
   const double heading = s.heading_deg * std::numbers::pi / 180.0;
   const Eigen::Vector3d along(std::cos(heading), std::sin(heading), 0.0);
   const Eigen::Vector3d across(-along.y(), along.x(), 0.0);
-  return grid_mesh(cells(s.length, s.edge), cells(arc, s.edge),
+  return grid_mesh(cells(s.length, edge), cells(arc, edge),
                    [&](double u, double v) -> Eigen::Vector3d {
                      const double theta = half_angle * (2.0 * v - 1.0);
                      const double rise = up * s.radius * (std::cos(theta) - 1.0);
@@ -204,17 +202,14 @@ TriangleMesh make_cone(const ConeSettings& s) {
   require_at_most("cone", "edge", s.edge, "the base_radius", s.base_radius);
   const double slope = s.slope_deg * std::numbers::pi / 180.0;
   const double slant = s.base_radius / std::cos(slope);
-  require_fair_size(
-      "cone", s.edge,
-      std::numbers::pi * s.base_radius * slant / (s.edge * s.edge * std::sqrt(3.0) / 4.0));
-
-  const int count = std::max(1, static_cast<int>(std::ceil(slant / (s.edge * std::sqrt(0.75)))));
+  const double edge = fair_edge(s.edge, std::numbers::pi * s.base_radius * slant);
+  const int count = std::max(1, static_cast<int>(std::ceil(slant / (edge * std::sqrt(0.75)))));
   std::vector<Ring> rings;
   for (int k = 1; k <= count; ++k) {
     const double rho = s.base_radius * k / count;
     // A chord of length l deviates from the cone by l² sin(slope)/(8 ρ). Shorter chords near the
     // apex keep the bound.
-    const double chord = s.edge * std::min(1.0, std::sqrt(8.0 * rho / s.base_radius));
+    const double chord = edge * std::min(1.0, std::sqrt(8.0 * rho / s.base_radius));
     rings.push_back(
         {rho, -std::tan(slope) * rho,
          std::max(6, static_cast<int>(std::ceil(2.0 * std::numbers::pi * rho / chord)))});
@@ -225,32 +220,6 @@ TriangleMesh make_cone(const ConeSettings& s) {
 }
 
 namespace {
-
-// The distributions of <random> differ from one library to the next; the generator's bits do not.
-class Random {
- public:
-  explicit Random(int seed) : bits_(static_cast<std::uint64_t>(seed)) {}
-  double uniform() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
-  double normal() {
-    const double u = 1.0 - uniform(), v = uniform();
-    return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
-  }
-
- private:
-  std::mt19937_64 bits_;
-};
-
-TriangleMesh graph(const FootprintSettings& s, double edge,
-                   const std::function<double(double, double)>& h) {
-  const double heading = s.heading_deg * std::numbers::pi / 180.0;
-  const Eigen::Vector3d e_x(std::cos(heading), std::sin(heading), 0.0);
-  const Eigen::Vector3d e_y(-e_x.y(), e_x.x(), 0.0);
-  return grid_mesh(cells(s.width, edge), cells(s.height, edge),
-                   [&](double u, double v) -> Eigen::Vector3d {
-                     const double x = s.width * (u - 0.5), y = s.height * (v - 0.5);
-                     return s.centre + x * e_x + y * e_y + h(x, y) * Eigen::Vector3d::UnitZ();
-                   });
-}
 
 TriangleMesh fractal(const RoughSettings& s, double edge) {
   constexpr int kWaves = 96;
@@ -317,8 +286,7 @@ TriangleMesh lip(const RoughSettings& s, double edge) {
 
 TriangleMesh make_rough(const RoughSettings& s) {
   require_ranges("rough", s);
-  const double edge = std::min(s.footprint.edge, s.wavelength / 4.0);
-  require_fair_size("rough", edge, 2.0 * s.footprint.width * s.footprint.height / (edge * edge));
+  const double edge = cell_of(s.footprint, s.wavelength / 4.0);
   const double slope = std::tan(s.slope_deg * std::numbers::pi / 180.0),
                k = 2.0 * std::numbers::pi / s.wavelength;
   switch (s.form) {

@@ -1,4 +1,5 @@
-// Built-in canvases: sphere, plane, height fields, ruled surfaces, and rough ones.
+// Built-in canvases: sphere, plane, height fields, ruled surfaces, and rough ones. Their edges are
+// longer than set where a canvas would take over two million triangles.
 // Each function throws InputError naming the setting, its value and what would be valid.
 #pragma once
 
@@ -65,7 +66,7 @@ struct FootprintSettings {
 struct WaveSettings {
   FootprintSettings footprint;
   double amplitude = 0.015;  // [m]
-  double wavelength = 0.20;  // [m], at least 8 edges
+  double wavelength = 0.20;  // [m]; a cell is at most an eighth of it
 };
 
 TriangleMesh make_wave(const WaveSettings& settings = {});
@@ -91,7 +92,7 @@ struct TerrainSettings {
   FootprintSettings footprint;
   int seed = 1;
   double amplitude = 0.04;  // [m]
-  double feature = 0.20;    // shortest wavelength [m], at least 8 edges
+  double feature = 0.20;    // shortest wavelength [m]; a cell is at most an eighth of it
 };
 
 TriangleMesh make_terrain(const TerrainSettings& settings = {});

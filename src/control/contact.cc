@@ -64,7 +64,7 @@ void SurfaceContact::update_mode(const StepInput& in, const SurfaceEstimate& sur
       measured_ ? in.F_ext.head<3>().dot(was_on_surface ? tracker_.n() : surface.n_W) : 0.0;
   evidence.approach_gap = surface.distance - approach_distance_;
   evidence.carried = in.carrier != nullptr;
-  // Where a carrier is, its estimate tells late.
+  // The estimate of a carrier is late.
   if (in.carrier && evidence.normal_force > kFirm * now_.force)
     evidence.distance = std::clamp(evidence.distance, -kThere, kThere);
   const ContactMode before = now_.mode;

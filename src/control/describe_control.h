@@ -23,8 +23,7 @@ void describe_felt_normal(F& f, S& s) {
           "force tells nothing of the surface. null: 0, but 0.5 where the surface under the "
           "drawing is rough.");
   f.constant("deviation", s.deviation, {0.0, 2.0}, "");
-  f.field("force_error", s.force_error, {0.0, 50.0}, "N",
-          "Error of the measured force across the normal.");
+  f.constant("force_error", s.force_error, {0.0, 50.0}, "N");
 }
 
 template <class F>

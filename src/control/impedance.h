@@ -133,7 +133,7 @@ class ImpedanceController {
   // Changes K and F_n of the law from the next step on, and B with them; the state is kept. Throws
   // InputError as the constructor does, and then changes nothing. Between steps, not within them.
   void retune(const TipGain& stiffness, double normal_force);
-  // Of the tip's ball, from the next step on [m].
+  // Changes the radius of the tip's ball, from the next step on [m].
   void set_tip_radius(double radius) noexcept { settings_.tip.radius = radius; }
 
  private:

@@ -21,7 +21,7 @@ void check_entries(const std::string& name, const Eigen::VectorXd& x, int joints
   for (const double value : x) require_in_range(name, value, range, unit);
 }
 
-// What no scenario has by this name, or none has at all.
+// Settings that no scenario has, or none by this name.
 void check_others(const ImpedanceSettings& s) {
   RangeChecks f("control");
   f.field("dt", s.timing.dt, Range::positive_to(0.1), "s");

@@ -1,5 +1,5 @@
-// What is believed of arm and canvas: the only view of the world that the plan, the control set-up
-// and the loop have. The true canvas and the simulated world are apart (truth.h).
+// The belief about arm and canvas: the only view of the world that the plan, the control set-up and
+// the loop have. The true canvas and the simulated world are apart (truth.h).
 #pragma once
 
 #include <memory>
@@ -30,7 +30,7 @@ struct Belief {
   std::shared_ptr<const Canvas> obstacle;
   BlindSettings blind;             // the assumed height without perception
   std::vector<std::string> notes;  // repairs to the canvas's file, one line each
-  // Of each camera, or view of a capture, by the snapshot; empty: none.
+  // The error of each camera, or view of a capture, by the snapshot; empty: none.
   std::vector<CameraCorrection> camera_corrections;
 
   // Knowledge of the controller and the planner about the surface.

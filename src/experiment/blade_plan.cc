@@ -18,7 +18,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMostSmear = 2e-4;  // of an edge's ends beside the line [m]
 constexpr double kLook = 5e-3;       // between places on the surface [m]
 
-// How far the arm turns the tool about n in one direction, from q [rad].
+// The angle by which the arm can turn the tool about n in one direction, from q [rad].
 double turn_range(ArmModel* arm, const JointVector& q_0, double way, double margin) {
   constexpr double kStep = 0.05, kMost = 4.0 * std::numbers::pi, kJump = 0.5;
   const Pose X_WE = arm->tip_pose(q_0);

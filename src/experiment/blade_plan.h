@@ -1,4 +1,4 @@
-// What a plan asks of a tool whose heading is led, and of the arm that turns it: a blade, a roller.
+// The heading that a plan asks of a blade or a roller, and of the arm that turns it.
 #pragma once
 
 #include <optional>
@@ -9,10 +9,10 @@
 
 namespace impedraw {
 
-// How the tool is led from the posture q on: its heading there, and how far the arm turns it about
-// its axis on the spot, either way, by inverse kinematics. The arm keeps preflight.joint_margin and
-// kHeadingReserve off that: elsewhere its base stands otherwise. Nothing for a tool that is not
-// led.
+// The leading of the tool from the posture q on: its heading there, and how far the arm can turn it
+// about its axis on the spot, either way, by inverse kinematics. The arm keeps
+// preflight.joint_margin and kHeadingReserve off that: elsewhere its base stands otherwise. Nothing
+// for a tool that is not led.
 inline constexpr double kHeadingReserve = 0.6;  // [rad]
 std::optional<ToolHeading> heading_of(const Scenario& scenario, const ArmModel& arm,
                                       const JointVector& q);

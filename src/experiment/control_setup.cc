@@ -39,7 +39,7 @@ constexpr double kRealTorqueRate = 850.0;  // [Nm/s]
 // 200 rad/s shook the wrist until the session ended; 50 rad/s and 20 rad/s did not.
 constexpr double kRealObserver = 0.1;
 
-// Of the forces across a cut, over the modelled ones.
+// Greatest ratio of the true forces across a cut to the modelled ones.
 constexpr double kCutSpread = 1.2;
 
 // Stiffness of a led heading, where no rotational_stiffness_normal is given [Nm/rad].
@@ -93,7 +93,7 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
                    std::atan(kCutSpread * pad->friction_across) * 180.0 / std::numbers::pi);
   }
   if (const auto cutter = cutter_of(s.tool)) {
-    // What of a measured wrench the cut explains, and how far the push sinks the tip.
+    // The cut explains a part of the measured wrench, and the push sinks the tip into it.
     const CutForces cut = cut_forces(*cutter, s.tool.depth, 0.0, s.path.draw_speed);
     settings.tip.stiffness = cut.normal / s.tool.depth;
     settings.contact.deepest += s.tool.depth;

@@ -74,10 +74,11 @@ void require_centres(const CoverPlan& plan, const Scenario& s, const SettingErro
   if (plan.centres.wanted == 0.0)
     errors.raise({"cover.region"},
                  drawn ? fmt::format("cover.region: {} lies off the canvas, or where it is steeper "
-                                     "than preflight.max_slope; drawing.placement moves it",
-                                     s.cover.region.string())
-                       : "cover: nothing of the canvas is seen, or all is steeper than "
-                         "preflight.max_slope");
+                                     "than {:.0f}°; drawing.placement moves it",
+                                     s.cover.region.string(), s.preflight.max_slope_deg)
+                       : fmt::format("cover: nothing of the canvas is seen, or all is steeper than "
+                                     "{:.0f}°",
+                                     s.preflight.max_slope_deg));
   if (std::ranges::count(plan.centres.allowed, 1) > 0) return;
   const double width = 2e3 * plan.wish.footprint.radius;
   if (plan.centres.uneven > 0)
@@ -95,22 +96,24 @@ void require_centres(const CoverPlan& plan, const Scenario& s, const SettingErro
                   width, 1e3 * plan.wish.margin, drawn ? "in cover.region" : "on the canvas"));
 }
 
-void note_rest(const SurfaceGrid& g, const CoverPlan& plan, const std::vector<char>& region,
-               std::vector<std::string>* notes) {
+void note_rest(double max_slope_deg, CoverPlan* cover) {
+  const CoverPlan& plan = *cover;
+  const SurfaceGrid& g = plan.grid;
+  const std::vector<char>& region = plan.wish.region;
   const double cm2 = 1e4;
   if (!region.empty()) {
     double off = 0.0;
     for (std::size_t v = 0; v < g.size(); ++v)
       if (region[v] && !g.known[v]) off += g.step * g.step;
     if (off > 1e-4)
-      notes->push_back(fmt::format(
+      cover->notes.push_back(fmt::format(
           "{:.1f} cm² of cover.region, seen along the drawing axis, lie where no surface is seen, "
-          "or a steeper one than preflight.max_slope: not covered",
-          cm2 * off));
+          "or one steeper than {:.0f}°: not covered",
+          cm2 * off, max_slope_deg));
   }
   const double rest = plan.centres.wanted - plan.promised_area;
   if (rest > 1e-5)
-    notes->push_back(fmt::format(
+    cover->notes.push_back(fmt::format(
         "{:.1f} of {:.1f} cm² are not covered: within the pad's margin of an edge or a hole, or "
         "where the pad's face does not touch as a whole",
         cm2 * rest, cm2 * plan.centres.wanted));
@@ -168,7 +171,7 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
   plan.forces = even_forces(plan.grid, plan.lines.passes, pad->radius, inner, kForceChange);
   for (auto& pass : plan.forces)
     for (double& f : pass) f *= s.control.normal_force;
-  note_rest(plan.grid, plan, plan.wish.region, &plan.notes);
+  note_rest(s.preflight.max_slope_deg, &plan);
   return plan;
 }
 

@@ -26,7 +26,7 @@ struct CoverPlan {
   std::vector<std::string> notes;           // what of the area is not covered, one line each
 };
 
-// Of the scenario, as ./impedraw cover completes it: a pad where the tool is not given, 100 mm/s,
+// The scenario as ./impedraw cover completes it: a pad where the tool is not given, 100 mm/s,
 // 1 m/s², and normals fitted over at least the footprint. Throws InputError for another tool.
 Scenario with_cover_defaults(Scenario scenario, const Places& places);
 

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "impedraw/common/range.h"
 #include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
@@ -24,17 +23,6 @@ struct ToolSettings {
   double yaw_deg = 0.0;                             // of what is led, from the line
   double trail = 0.0;                               // of its face behind the arm's axis [m]
   Swivel swivel = Swivel::spot;
-
-  struct Limits {
-    static constexpr Limit radius = PadSettings::Limits::radius;
-    static constexpr Limit foam_stiffness = {"foam_stiffness", "N/m³", {1e4, 1e9}};
-    static constexpr Limit depth = {"depth", "m", {1e-4, 2e-3}};
-    static constexpr Limit half_angle = {"half_angle", "deg", {10.0, 75.0}};
-    static constexpr Limit passes = {"passes", "", {1, 20}};
-    static constexpr Limit hardness = {"hardness", "", {0.2, 5.0}};
-    static constexpr Limit yaw = {"yaw", "deg", {-180.0, 180.0}};
-    static constexpr Limit trail = {"trail", "m", {0.0, 0.02}};
-  };
 };
 
 // Its heading is led along the lines (blade_plan.h).
@@ -58,13 +46,6 @@ struct CoverSettings {
   double direction_deg = 90.0;  // of the lines, from the drawing plane's x axis
   double margin = 1e-3;         // that the footprint keeps from edges [m]
   int passes = 1;
-
-  struct Limits {
-    static constexpr Limit overlap = {"overlap", "", {0.0, 0.9}};
-    static constexpr Limit direction = {"direction", "deg", {-360.0, 360.0}};
-    static constexpr Limit margin = {"margin", "m", {0.0, 0.05}};
-    static constexpr Limit passes = {"passes", "", {1, 100}};
-  };
 };
 
 }  // namespace impedraw

@@ -27,11 +27,10 @@ void describe(Fields& f, JointSensingSettings& s) {
   f.choice("velocity", s.velocity, {"measured", "estimated"},
            "Joint velocities of the control law: as measured, or estimated from the positions, the "
            "torques and the arm's model.");
-  f.field(Limits::bandwidth, s.bandwidth, "Bandwidth of the estimator.");
-  f.field(
-      Limits::least_bandwidth, s.least_bandwidth,
-      "Noise of the positions, as measured, lowers the bandwidth to this at the most, or as far "
-      "as the stability checks allow.");
+  f.field(Limits::bandwidth, s.bandwidth,
+          "Bandwidth of the estimator. Noise of the positions, as measured, lowers it to 150 rad/s "
+          "at the most, or as far as the stability checks allow.");
+  f.constant("least_bandwidth", s.least_bandwidth, Range::any(), "rad/s");
   f.field(Limits::sensor_delay, s.sensor_delay,
           "Modelled delay of the joints' sensors; null: their true delay.");
 }

@@ -30,7 +30,7 @@ namespace impedraw {
 
 class Canvas;
 
-// What a drawing is judged against, as data for the log and the metrics. The loop does not read it.
+// The data that a drawing is judged against, for log and metrics. The loop does not read it.
 struct Yardstick {
   TargetLine target;                      // the promised strokes on the true canvas, in W
   TriangleMesh canvas;                    // the true one, as the run begins, in W

@@ -55,7 +55,7 @@ bool is_near(const Eigen::Vector3d& p, double x, double y) {
   return std::hypot(p.x() - x, p.y() - y) < 0.01;
 }
 
-// Where the tangent plane at a sample is over (x, y).
+// Height over (x, y) of the tangent plane at a sample.
 double height_beside(const SurfaceSample& at, double x, double y) {
   const Eigen::Vector2d way = Eigen::Vector2d(x, y) - at.p_P.head<2>();
   return at.p_P.z() - way.dot(at.n_P.head<2>()) / std::max(at.n_P.z(), 0.1);

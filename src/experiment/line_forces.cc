@@ -15,7 +15,7 @@ constexpr double kSameWidth = 0.05;  // relative; a difference that nobody sees
 constexpr double kAlike = 1.25;      // ratio of widths that is told where they are drawn alike
 constexpr double kSameForce = 1e-9;  // [N]
 
-// What is asked of the lines, and how much of their length the pen cannot give.
+// The widths or forces asked of the lines, and the length that the pen cannot give.
 struct Asked {
   double least = std::numeric_limits<double>::infinity(), most = 0.0;  // [mm] or [N]
   double length = 0.0, lighter = 0.0, heavier = 0.0;                   // in all, drawn so [m]

@@ -15,7 +15,7 @@
 
 namespace impedraw {
 
-// What each pen of a drawing draws, and the flat picture of it (report/plan_picture.h).
+// The part of a drawing that each pen draws, and the flat picture of it (report/plan_picture.h).
 
 // A pen's part of a path, with the ways to its strokes.
 struct PenSum {

@@ -107,8 +107,8 @@ class Search {
     return worst;
   }
 
-  // What the pre-flight finds that cannot be drawn, with the canvas moved and nothing in the arm's
-  // way [m].
+  // Length that the pre-flight finds impossible, with the canvas moved and nothing in the arm's way
+  // [m].
   double lost(const Candidate& c) {
     const Pose X = motion(c);
     const Scenario& s = e_.scenario;

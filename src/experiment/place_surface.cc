@@ -341,7 +341,7 @@ std::vector<Vector3d> PlaceBench::tilts(const SurfaceWish& wish) const {
   }
   std::sort(found.begin(), found.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
-  // What failed in this plane is avoided there.
+  // Places that failed in this plane are avoided there.
   const double here = p.search->best(p.drawing, 1.0, {}).cost;
   std::vector<Vector3d> tilts;
   for (const auto& [cost, tilt] : found)

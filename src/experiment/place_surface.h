@@ -20,8 +20,8 @@
 namespace impedraw {
 
 struct SurfaceWish {
-  // Where: "x,y,z" in W [m], or the side front (+x), back (−x), left (+y), right (−y) or top of the
-  // object; empty: anywhere.
+  // The place: "x,y,z" in W [m], or the side front (+x), back (−x), left (+y), right (−y) or top of
+  // the object; empty: anywhere.
   std::string near;
   bool shrink = false;  // the drawing may get smaller, down to a quarter
 };

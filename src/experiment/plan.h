@@ -37,7 +37,7 @@ struct Plan {
   PathSettings path_settings;  // the planner's; a sensor must be tared within start_hold
   TipPath path;                // empty if nothing can be drawn
   bool rough = false;          // as is_rough() (plan_notes.h)
-  // Of `strokes`; none if all are drawn by one pen whose width does not change with its force.
+  // The pens of `strokes`; none if one pen draws all, whose width does not change with its force.
   std::optional<DrawnPens> pens;
   std::vector<std::string> notes;  // what is not drawn, one line each
 };

@@ -62,7 +62,7 @@ void note_spread_forces(const PathSettings& path, Plan* plan) {
     length += ForceProfile(stroke, path.force_rate / path.draw_speed).spread_length(kLess);
   if (length > 0.0)
     plan->notes.push_back(
-        fmt::format("the force changes by at most {:.3g} N/s (path.force_rate): {:.1f} mm are "
+        fmt::format("the force changes by at most {:.3g} N/s: {:.1f} mm are "
                     "drawn lighter than asked, where widths jump",
                     path.force_rate, 1e3 * length));
 }

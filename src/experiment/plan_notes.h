@@ -1,4 +1,4 @@
-// What a plan says of doubtful places: a rough surface, where the wrap is not certain, where the
+// A plan's notes on doubtful places: a rough surface, where the wrap is not certain, where the
 // force cannot follow the widths, and why the planner's surface ends.
 #pragma once
 

@@ -101,7 +101,7 @@ nlohmann::ordered_json plan_json(const PlannedDrawing& e) {
   json["distortion"] = {{"projected", distortion_json(projected_distortion(e))}};
   if (e.plan.wrap) json["distortion"]["wrapped"] = distortion_json(wrapped_distortion(e));
   const PreflightMargins& m = e.plan.preflight.margins;
-  // What is not finite becomes null.
+  // Numbers that are not finite become null.
   json["margins"] = {{"joint_rad", m.joint},
                      {"torque_share", m.torque_share},
                      {"effective_mass_kg", m.effective_mass},
@@ -219,12 +219,13 @@ struct Lifted {
   const char* limit;
   void (*lift)(PathSettings&);
 };
+constexpr const char* kTurning = "the turning of the pen's axis";
 constexpr Lifted kLimits[] = {
     {"path.normal_acceleration", [](PathSettings& s) { s.normal_acceleration = 100.0; }},
-    {"path.normal_speed", [](PathSettings& s) { s.normal_speed = 1.0; }},
-    {"path.tilt_speed and tilt_acceleration",
+    {"the speed across roughness", [](PathSettings& s) { s.normal_speed = 1.0; }},
+    {kTurning,
      [](PathSettings& s) { s.tilt_speed = 20.0, s.tilt_acceleration = kFree; }},
-    {"path.joint_speed_share, joint_acceleration and joint_torque_share",
+    {"the joints' speeds, accelerations and torques",
      [](PathSettings& s) {
        s.joint_speed_share = s.joint_torque_share = 1.0, s.joint_acceleration = kFree;
      }},
@@ -337,7 +338,7 @@ std::string plan_limits_text(const PlannedDrawing& e, const PlanLimits& limits, 
             "a slower pen presses more steadily");
   }
   for (const LimitCost& cost : limits.costs) {
-    if (cost.limit.starts_with("path.tilt") && cost.seconds > 0.05 * e.plan.path.duration())
+    if (cost.limit == kTurning && cost.seconds > 0.05 * e.plan.path.duration())
       propose(fmt::format("path.tilt_allowance={:.3g}",
                           std::min(25.0, 2.0 * s.path.tilt_allowance_deg)),
               fmt::format("turning the pen costs {:.1f} s", cost.seconds));

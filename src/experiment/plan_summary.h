@@ -40,7 +40,7 @@ std::string refusal_text(const Finding& finding, bool seen);
 inline constexpr double kCrawl = 0.015;
 
 struct LimitCost {
-  std::string limit;   // the settings that rule: "path.normal_acceleration"
+  std::string limit;   // what rules: "path.normal_acceleration"
   double seconds = 0;  // that the plan takes longer for it
   int stroke = -1;     // that it costs most
   double stroke_seconds = 0;

@@ -63,9 +63,13 @@ void check_turning(const Scenario& s, const SettingErrors& setting_errors) {
                       "limit or less",
                       name, speed, limit));
   };
-  check("path.tilt_speed", s.path.tilt_speed);
   check("path.turn_speed", s.path.turn_speed);
   if (by_touch) check("blind.touch.turn_rate", s.blind.touch.turn_rate);
+  if (s.path.tilt_speed > limit)
+    setting_errors.raise({"control.turn_speed_limit"},
+                         fmt::format("control.turn_speed_limit is {} rad/s, below the {} rad/s at "
+                                     "which the pen's axis may turn along a stroke",
+                                     limit, s.path.tilt_speed));
 }
 
 }  // namespace

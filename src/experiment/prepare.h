@@ -51,8 +51,8 @@ struct Prepared : Experiment {
   Truth truth;
 };
 
-// Whether a summary of the plan will be asked for: what takes long of it is then computed on a
-// thread of its own, beside the planning.
+// Time of the work for a summary of the plan: once it is asked for, or beside the planning, on a
+// thread of its own.
 enum class PlanSummary { later, beside };
 
 // Throws InputError: one line that names the error, its location and what is valid. `places` holds

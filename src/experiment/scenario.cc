@@ -226,83 +226,92 @@ void describe(Fields& f, BlindSettings& s) {
   f.field("touch", s.touch, "How the surface is learned from touch, for height: touch.");
 }
 
+namespace {
+
+constexpr Range kWidthRange{0.01, 20.0};            // [mm]
+constexpr Range kWidthPerNewtonRange{-10.0, 10.0};  // [mm/N]
+constexpr Range kNominalForceRange{0.0, 100.0};     // [N]
+
+}  // namespace
+
 void describe(Fields& f, GivenPen& s) {
-  using Limits = GivenPen::Limits;
-  f.field(Limits::width, s.width, "Line width at the nominal force.").for_users();
-  f.field(Limits::width_per_newton, s.width_per_newton,
+  f.field("width", s.width, kWidthRange, "mm", "Line width at the nominal force.").for_users();
+  f.field("width_per_newton", s.width_per_newton, kWidthPerNewtonRange, "mm/N",
           "Change of the line width with the force; 0: constant width.");
-  f.field(Limits::nominal_force, s.nominal_force, "Force at which the line has its nominal width.");
-  f.field(Limits::least_force, s.least_force,
+  f.field("nominal_force", s.nominal_force, kNominalForceRange, "N",
+          "Force at which the line has its nominal width.");
+  f.field("least_force", s.least_force, {0.3, 50.0}, "N",
           "Least force of lines whose width or force is given: by an SVG's stroke-width, where the "
           "width changes with the force, or by a stroke file's column.");
-  f.field(Limits::most_force, s.most_force, "Their greatest force.");
+  f.field("most_force", s.most_force, {0.3, 50.0}, "N", "Their greatest force.");
   f.field("check", s.check,
           "After a change to another of pens, touches a known spot and finds the tip's length. "
           "Needs a measured wrench.");
-  f.field(Limits::spot, s.spot,
+  f.field("spot", s.spot, {-10.0, 10.0}, "m",
           "That spot, in the world; null: where the drawing begins, as the first pen feels it.");
-  f.field(Limits::place, s.place,
+  f.field("place", s.place, {-10.0, 10.0}, "m",
           "Where the tip waits while a pen is changed, in the world; null: where the arm starts.");
 }
 
 void describe(Fields& f, LayerPenSettings& s) {
-  using Limits = LayerPenSettings::Limits;
   f.field("layer", s.layer, "Number or name of the layer, as for drawing.layer.");
   f.field("colour", s.colour,
           "Colour of its ink, a name or #rrggbb; empty: that of the layer's first line.");
   f.field("force", s.force, kForceRange, "N",
           "Force of lines without a width of their own; null: control.normal_force.");
   f.field("speed", s.speed, kDrawSpeedRange, "m/s", "Speed of this pen; null: path.draw_speed.");
-  f.field(Limits::width, s.width, "Line width at the nominal force; null: that of pen.");
-  f.field(Limits::width_per_newton, s.width_per_newton,
+  f.field("width", s.width, kWidthRange, "mm",
+          "Line width at the nominal force; null: that of pen.");
+  f.field("width_per_newton", s.width_per_newton, kWidthPerNewtonRange, "mm/N",
           "Change of the line width with the force; null: that of pen.");
-  f.field(Limits::nominal_force, s.nominal_force,
+  f.field("nominal_force", s.nominal_force, kNominalForceRange, "N",
           "Force at which the line has its nominal width; null: that of pen.");
-  f.field(Limits::longer, s.longer,
+  f.field("longer", s.longer, {-0.02, 0.02}, "m",
           "Its tip beyond that of arm.urdf, along the pen, as far as is known; null: 0.");
-  f.field(Limits::radius, s.radius,
+  f.field("radius", s.radius, {1e-5, 0.05}, "m",
           "Radius of its tip; null: control.tip.radius, in the simulated world world.tip.radius.");
 }
 
 void describe(Fields& f, ToolSettings& s) {
-  using Limits = ToolSettings::Limits;
   f.choice("kind", s.kind, {"pen", "pad", "engraver", "blade", "roller"},
            "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
            "foam. engraver: a turning cone that cuts grooves. blade: an edge that is led along the "
            "lines. roller: a line across them that rolls.");
-  f.field(Limits::radius, s.radius,
+  f.field("radius", s.radius, {5e-5, 0.1}, "m",
           "Radius of the pad, half the length of a blade's edge or of a roller; null: 15 mm, and "
           "for a blade as much as the force sinks into the believed material.");
   f.constant("foam_thickness", PadSettings().thickness, Range::any(), "m");
-  f.field(Limits::foam_stiffness, s.foam_stiffness, "Pressure of the foam per compression.");
+  f.field("foam_stiffness", s.foam_stiffness, {1e4, 1e9}, "N/m³",
+          "Pressure of the foam per compression.");
   f.constant("foam_damping", PadSettings().damping, Range::any(), "N s/m³");
-  f.field(Limits::depth, s.depth, "Depth of the engraver's groove below the surface.");
-  f.field(Limits::half_angle, s.half_angle_deg,
+  f.field("depth", s.depth, {1e-4, 2e-3}, "m",
+          "Depth of the engraver's groove below the surface.");
+  f.field("half_angle", s.half_angle_deg, {10.0, 75.0}, "deg",
           "Half of the angle of the engraver's cone; angle of a blade's edge to the surface.");
-  f.field(Limits::passes, s.passes,
+  f.field("passes", s.passes, {1, 20}, "",
           "Cuts to that depth, in equal steps, after a shallow one that finds the surface.");
-  f.field(Limits::hardness, s.hardness,
+  f.field("hardness", s.hardness, {0.2, 5.0}, "",
           "True cutting forces of the simulated material over the believed ones.");
-  f.field(Limits::yaw, s.yaw_deg,
+  f.field("yaw", s.yaw_deg, {-180.0, 180.0}, "deg",
           "Angle of a blade or roller from the line, about the surface's normal: a squeegee's 90.");
-  f.field(Limits::trail, s.trail,
+  f.field("trail", s.trail, {0.0, 0.02}, "m",
           "How far a blade's edge or a roller trails the arm's axis, as a drag knife's.");
   f.choice("swivel", s.swivel, {"spot", "lifted"},
            "How a blade or roller turns at a corner: on the spot, or lifted.");
 }
 
 void describe(Fields& f, CoverSettings& s) {
-  using Limits = CoverSettings::Limits;
   f.field("region", s.region,
           "SVG whose filled areas are covered, placed as drawing.placement says; empty: all that "
           "the cameras see and the arm reaches.");
-  f.field(Limits::overlap, s.overlap,
+  f.field("overlap", s.overlap, {0.0, 0.9}, "",
           "Overlap of neighbouring lines, as a share of the footprint's width. 0.82 treats evenly "
           "up to the border; 0.69 takes three fifths of its time and is less even.");
-  f.field(Limits::direction, s.direction_deg,
+  f.field("direction", s.direction_deg, {-360.0, 360.0}, "deg",
           "Direction of the lines in the drawing plane, counter-clockwise from its x axis.");
-  f.field(Limits::margin, s.margin, "Distance that the footprint keeps from edges and holes.");
-  f.field(Limits::passes, s.passes, "How often the area is gone over.");
+  f.field("margin", s.margin, {0.0, 0.05}, "m",
+          "Distance that the footprint keeps from edges and holes.");
+  f.field("passes", s.passes, {1, 100}, "", "How often the area is gone over.");
 }
 
 void describe(Fields& f, LogSettings& s) {

@@ -240,11 +240,6 @@ struct GivenPen : PenSettings {
   bool check = false;                    // a pen that is put in touches `spot`, for its length
   std::optional<Eigen::Vector3d> spot;   // W [m]; absent: where the drawing begins
   std::optional<Eigen::Vector3d> place;  // where pens are changed, W [m]; absent: the arm's start
-
-  struct Limits : PenSettings::Limits {
-    static constexpr Limit spot = {"spot", "m", {-10.0, 10.0}};
-    static constexpr Limit place = {"place", "m", {-10.0, 10.0}};
-  };
 };
 
 // The pen of a layer. What is absent is that of `pen`, `control` and `path`, or of the artwork.
@@ -258,11 +253,6 @@ struct LayerPenSettings {
   std::optional<double> radius;  // of its tip; absent: control.tip.radius, world.tip.radius [m]
 
   bool operator==(const LayerPenSettings&) const = default;
-
-  struct Limits : PenSettings::Limits {
-    static constexpr Limit longer = {"longer", "m", {-0.02, 0.02}};
-    static constexpr Limit radius = {"radius", "m", {1e-5, 0.05}};
-  };
 };
 
 struct Scenario {
@@ -291,8 +281,8 @@ struct Scenario {
 // The simulated world is made of what was seen: there is no truth to judge against.
 bool is_rehearsal(const Scenario& scenario);
 
-// What touches with a face, which lies level with E under control.normal_force: a pad, the edge of
-// a blade in the believed material, a roller. Nothing for a pen and an engraver.
+// The face of a tool, which lies level with E under control.normal_force: a pad, the edge of a
+// blade in the believed material, a roller. Nothing for a pen and an engraver.
 std::optional<PadSettings> face_of(const Scenario& scenario);
 
 void describe(Fields& f, Scenario& s);

@@ -26,7 +26,7 @@ class SimulatedCamera {
   const DepthCamera& actual() const { return actual_; }
   std::uint64_t seed() const { return seed_; }
 
-  // What it measures, in all threads; or of a part of the image, in this one, with another seed.
+  // Its measurement, in all threads; or a part of the image, in this one, with another seed.
   DepthImage image(const CastRays& cast_rays) const;
   void render(const CastRays& cast_rays, std::uint64_t seed, const PixelBox& part,
               DepthImage* image) const;
@@ -36,7 +36,7 @@ class SimulatedCamera {
   // A mark at p_W is in the image, and neither the arm nor the canvas, at X_WK, hides it.
   bool sees(const Eigen::Vector3d& p_W, const World& world, const Canvas& canvas,
             const Pose& X_WK) const noexcept;
-  // Where mark `number` is thought to be by this camera, without noise [m].
+  // The place at which this camera finds mark `number`, without noise [m].
   Eigen::Vector3d found_at(const Eigen::Vector3d& p_W, std::size_t number) const noexcept;
 
  private:

@@ -1,5 +1,5 @@
-// What the law bears of the springs in an arm's joints and of its own torque loop, by what the arm
-// is said to have (arm.joint_stiffness, arm.torque_bandwidth).
+// The springs in an arm's joints, and the torque loop of its own, that the law bears, given what
+// the arm is said to have (arm.joint_stiffness, arm.torque_bandwidth).
 //
 // To the law, a joint with a torque loop is a rigid one with what the loop leaves of its rotor,
 // K/ω² (arm.rotor_inertia). The loop's lag, 1.4/ω with the link held, is no delay of the torque:

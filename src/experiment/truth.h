@@ -1,4 +1,4 @@
-// What is true of an experiment: for the simulated arm, and for what a drawing is judged against.
+// The truth of an experiment: for the simulated arm, and for what a drawing is judged against.
 // Plan, control set-up and loop see a Belief (belief.h).
 #pragma once
 

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "impedraw/common/range.h"
-
 namespace impedraw {
 
 struct PenSettings {
@@ -30,14 +28,6 @@ struct PenSettings {
     return presses() ? std::min(width_at(least_force), width_at(most_force)) : width;
   }
   double within(double force) const { return std::clamp(force, least_force, most_force); }
-
-  struct Limits {
-    static constexpr Limit width = {"width", "mm", {0.01, 20.0}};
-    static constexpr Limit width_per_newton = {"width_per_newton", "mm/N", {-10.0, 10.0}};
-    static constexpr Limit nominal_force = {"nominal_force", "N", {0.0, 100.0}};
-    static constexpr Limit least_force = {"least_force", "N", {0.3, 50.0}};
-    static constexpr Limit most_force = {"most_force", "N", {0.3, 50.0}};
-  };
 };
 
 }  // namespace impedraw

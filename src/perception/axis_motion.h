@@ -20,7 +20,7 @@
 
 namespace impedraw {
 
-// Of a Kalman filter: state x, ẋ, ẍ up to `order`; q of its highest derivative's noise, λ.
+// Model of a Kalman filter: state x, ẋ, ẍ up to `order`; q of its highest derivative's noise, λ.
 struct AxisModel {
   int order = 1;
   double noise = 0.0, rate = 0.0;  // rate: 0, or with order 2 or 3 [1/s]

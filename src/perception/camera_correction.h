@@ -1,4 +1,4 @@
-// What a snapshot found a camera to be off, beyond what is believed of it.
+// Error of a camera as a snapshot found it, beyond what is believed of it.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,7 @@ namespace impedraw {
 
 struct CameraCorrection {
   Pose T;  // T X_WC is where it stands
-  // How far off each mark is still found from there, which the lens and the depths are to blame
-  // for [m]; empty: none.
+  // Remaining error of each mark, seen from there, by the lens and the depths [m]; empty: none.
   std::vector<Eigen::Vector3d> marks;
 };
 

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double kLatenessTime = 1.0;  // over which it is averaged [s]
-// What is off by kFar is smoothed twice as fast, and at most kMostHaste times.
+// A belief that is off by kFar is smoothed twice as fast, and at most kMostHaste times.
 constexpr double kFar = 0.5e-3, kMostHaste = 4.0;  // [m]
 constexpr double kTurnLever = 0.15;                // at which a turn counts [m]
 

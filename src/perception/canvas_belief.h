@@ -13,7 +13,7 @@
 
 namespace impedraw {
 
-// Of the canvas at the tip, beyond what is predicted (felt_motion.h), in W.
+// Shift of the canvas at the tip, beyond what is predicted (felt_motion.h), in W.
 struct CanvasShift {
   Eigen::Vector3d d = Eigen::Vector3d::Zero();       // how far [m]
   Eigen::Vector3d v = Eigen::Vector3d::Zero();       // how fast [m/s]

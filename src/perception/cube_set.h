@@ -44,7 +44,7 @@ class CubeSet {
     const std::uint64_t mixed = cube * 0x9e3779b97f4a7c15;
     return (mixed ^ mixed >> 32) & (places_.size() - 1);
   }
-  // Where the cube is, or could be put.
+  // The slot that the cube has, or could be put into.
   std::size_t place_of(std::uint64_t cube) const noexcept {
     std::size_t at = first_of(cube);
     while (places_[at] != 0 && places_[at] != cube) at = (at + 1) & (places_.size() - 1);

@@ -1,4 +1,4 @@
-// How the canvas moves otherwise than forecast, as the pen on it feels it.
+// The part of the canvas's motion that no forecast has, as the pen on it feels it.
 //
 // Frames are late by some hundredths of a second; contact tells at once. Two components of the
 // canvas's velocity v_C at the tip are the tip's own, v_E: along n, as the canvas carries the pen,
@@ -51,8 +51,8 @@ class FeltMotion {
   // Once per control step. Allocates nothing.
   void update(const CanvasBelief& belief, const PenTouch& pen, double time) noexcept;
 
-  // Of the canvas beyond the belief's prediction, at a time not before that of the last update, in
-  // W: how far [m], and how fast across the slip and as a whole [m/s].
+  // Shift of the canvas beyond the belief's prediction [m], and its speed across the slip and as a
+  // whole [m/s], in W, at a time not before that of the last update.
   CanvasShift shift(double time) const noexcept;
   // Between 0 and 1.
   double share(Direction k) const noexcept { return share_[k]; }

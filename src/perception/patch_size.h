@@ -1,4 +1,4 @@
-// How many points of a noisy cloud a normal needs.
+// The number of points that a normal of a noisy cloud needs.
 //
 // The normal of a patch of k points within the radius r, off the fitted surface by s, errs by about
 //   e = 4 s / (√k r),   and since r grows with √k, e falls with 1/k.

@@ -12,7 +12,7 @@
 
 namespace impedraw {
 
-// Of one tree and its points, for one thread.
+// The last neighbours in one tree and its points, for one thread.
 class RecentNeighbours {
  public:
   // As NeighbourTree::nearest(). Allocates nothing.
@@ -39,7 +39,7 @@ class RecentNeighbours {
   std::array<Item, kMost> order_;
 };
 
-// What a caller keeps from query to query of one SurfaceEstimator.
+// A caller's memory from query to query of one SurfaceEstimator.
 struct RecentSurface {
   RecentNeighbours widest;
   std::array<RecentNeighbours, 3> finer;  // of each detail level

@@ -24,8 +24,8 @@ class StampLag {
   static constexpr double kFewest = 20.0;
   static constexpr double kUneven = 3e-5;  // of h_0 along a line, as n·v may vary, too [m]
 
-  // Of a frame whose stamp was taken to be lag() late: n·v [m/s], h [m], the time since the one
-  // before [s].
+  // Takes n·v [m/s] and h [m] of a frame whose stamp was taken to be lag() late, and the time since
+  // the frame before [s].
   void add(double speed, double height, double since) noexcept {
     if (!std::isfinite(height)) return;
     const double w = std::clamp(since / kApart, 0.0, 1.0), h = height + speed * lag_;

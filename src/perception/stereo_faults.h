@@ -37,16 +37,16 @@ namespace impedraw {
 class StereoFaults {
  public:
   StereoFaults() = default;  // none
-  // Of the camera with this seed.
+  // The faults of the camera with this seed.
   StereoFaults(double factor, std::uint64_t seed);
 
   bool any() const { return factor_ > 0.0; }
-  // What a pixel sees that is believed to look along d_C, whose z is 1.
+  // The true direction of a pixel that is believed to look along d_C, whose z is 1.
   Eigen::Vector3d seen_along(const Eigen::Vector3d& d_C) const;
   // Rays of `camera`'s pixels as they are believed, cast along what they see. The result refers to
   // `cast_rays`.
   CastRays bent(const DepthCamera& camera, const CastRays& cast_rays) const;
-  // Where a mark at p_C is thought to be [m].
+  // The place at which a mark at p_C is found [m].
   Eigen::Vector3d found_at(const Eigen::Vector3d& p_C) const;
   // Makes exact depths, of the bent rays, what is measured. Pixels beside `part` see nothing. The
   // same for the same seed.

@@ -14,8 +14,7 @@ inline constexpr Range kTiltAccelerationRange{0.1, 1000.0};    // [rad/s²]
 template <class F>
 void describe(F& f, PathSettings& s) {
   f.constant("start_hold", s.start_hold, {0.0, 120.0}, "s");  // a tare of up to 60 s included
-  f.field("hover_height", s.hover_height, Range::positive_to(0.1), "m",
-          "Height above the first point of a stroke at which the approach begins.");
+  f.constant("hover_height", s.hover_height, Range::positive_to(0.1), "m");
   f.field("approach_speed", s.approach_speed, {1e-4, 0.2}, "m/s",
           "Speed of the approach to the first point.");
   f.constant("settle_time", s.settle_time, {0.0, 10.0}, "s");
@@ -37,31 +36,21 @@ void describe(F& f, PathSettings& s) {
           "Height of travel above the highest point of the drawing.");
   f.field("smoothing_time", s.smoothing_time, {0.0, 1.0}, "s",
           "Time over which an acceleration builds up.");
-  f.field("corner_angle", s.corner_angle_deg, Range::to_below(1.0, 90.0), "deg",
-          "Turn of a stroke above which it has a corner, where the pen stops.");
+  f.constant("corner_angle", s.corner_angle_deg, Range::to_below(1.0, 90.0), "deg");
   f.field("normal_smoothing", s.normal_smoothing, {0.0, 0.1}, "m",
           "Length over which the normals along a stroke are averaged.");
   f.field("normal_acceleration", s.normal_acceleration, kNormalAccelerationRange, "m/s²",
           "Largest acceleration across the surface, which its curvature makes: a rough surface is "
           "drawn on slower.");
-  f.field(
-      "force_rate", s.force_rate, {1.0, 1e4}, "N/s",
-      "Fastest change of the force where lines swell, at draw_speed. Where a width jumps, the line "
-      "is lighter beside the jump.");
-  f.field(
-      "normal_speed", s.normal_speed, {1e-4, 1.0}, "m/s",
-      "Largest speed across the surface that roughness finer than the cameras resolve may cause.");
-  f.field("joint_speed_share", s.joint_speed_share, {0.01, 1.0}, "",
-          "Share of the arm's joint speed limits that a stroke may use.");
+  f.constant("force_rate", s.force_rate, {1.0, 1e4}, "N/s");
+  f.constant("normal_speed", s.normal_speed, {1e-4, 1.0}, "m/s");
+  f.constant("joint_speed_share", s.joint_speed_share, {0.01, 1.0}, "");
   f.constant("joint_acceleration", s.joint_acceleration, {0.1, 1000.0}, "rad/s²");
-  f.field("joint_torque_share", s.joint_torque_share, {0.01, 1.0}, "",
-          "Share of the torque that the controller may use (control.torque_share) for holding, "
-          "pressing and motion along a stroke.");
+  f.constant("joint_torque_share", s.joint_torque_share, {0.01, 1.0}, "");
   f.field("tilt_allowance", s.tilt_allowance_deg, {0.0, 45.0}, "deg",
           "Largest angle by which the pen's axis may leave the surface normal where it would "
-          "otherwise turn faster than tilt_speed or tilt_acceleration.");
-  f.field("tilt_speed", s.tilt_speed, kTiltSpeedRange, "rad/s",
-          "Largest angular speed of the pen's axis along a stroke.");
+          "otherwise turn faster than 1.5 rad/s, or with more than 20 rad/s².");
+  f.constant("tilt_speed", s.tilt_speed, kTiltSpeedRange, "rad/s");
   f.constant("tilt_acceleration", s.tilt_acceleration, kTiltAccelerationRange, "rad/s²");
   f.constant("tolerance", s.tolerance, {1e-7, 1e-2}, "m");
   f.constant("rounding", s.rounding, {0.0, 1e-2}, "m");

@@ -1,4 +1,4 @@
-// How well a blade kept its heading, and what its corners smeared, by the truth.
+// Judges a blade by the truth: the errors of its heading, and the smear at its corners.
 //
 //   yaw_error     ∠(x_E, t) about the true normal, less tool.yaw; t: tangent of the promised line
 //                 where the edge's middle is nearest to it, over ± kNear and not beyond a corner.

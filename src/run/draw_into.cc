@@ -323,7 +323,7 @@ std::string velocity_line(const Experiment& e, const RunOutcome& outcome) {
       slow.bandwidth > estimator.least_bandwidth ? ""
       : estimator.least_bandwidth > e.scenario.control.joint_sensing.least_bandwidth
           ? "; the stability checks allow no less"
-          : "; control.joint_sensing.least_bandwidth allows no less");
+          : ", which is the least");
 }
 
 std::string ink_lines(const Experiment& e, const RunOutcome& outcome) {

@@ -32,7 +32,7 @@ void note_slow_velocity(const JointStateEstimator& estimator, double asked,
   *slowest = SlowVelocity{bandwidth, noise, joint};
 }
 
-// Of what is drawn, as planned [m].
+// The mean place of the planned lines [m].
 Eigen::Vector3d middle_of(const TipPath& path) {
   constexpr double kStep = 0.02;  // [s]
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -142,7 +142,7 @@ void DrivenArm::hold_pen(const HeldPen& pen) {
   if (hooks_.holds_pen) hooks_.holds_pen(pen);
 }
 
-// What the canvas's motion is felt by.
+// The contact by which the pen feels the canvas's motion.
 PenTouch DrivenArm::touch(const Cycle& cycle) const {
   const bool touches =
       out_.mode == ContactMode::contact && e_.control.impedance.wrench == WrenchFeedback::measured;

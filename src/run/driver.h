@@ -48,7 +48,7 @@ struct HeldPen {
   int number = -1;      // its place in the scenario's `pens`; -1: that of `pen`
   double longer = 0.0;  // its tip beyond that of arm.urdf, along the pen, as far as is known [m]
   double radius = 0.0;  // of its tip [m]
-  // Where the spot of `pen.check` is along its normal, in W; absent: not known yet [m].
+  // The place of the spot of `pen.check` along its normal, in W; absent: not known yet [m].
   std::optional<double> spot;
 };
 

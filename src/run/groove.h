@@ -1,4 +1,4 @@
-// How deep a cutter's groove became, by the truth, place by place along the lines.
+// The true depth of a cutter's groove, place by place along the lines.
 //
 // d = n·(p_C − p_E) at every step in contact, on a line; the groove is as deep as the cutter has
 // been within kBin, in any pass. A place of a promised line that nothing cut has the depth 0.

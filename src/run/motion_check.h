@@ -71,7 +71,7 @@ class ReadingsThatStand {
   std::string update(const MotionReading& now, const MotionLimits& limits);
 
  private:
-  // How long a value has not changed by a bit.
+  // The time for which a value has not changed by a bit.
   struct Same {
     JointVector time, readings;  // [s]
     void update(Eigen::Index j, bool same, double dt) noexcept;

@@ -82,7 +82,7 @@ PenDeviation PathFollower::deviation(const Cycle& cycle) const {
   pen.tilt = smallest_rotation(cycle.arm.X_WE.R.col(2), -out.axis_WD).norm();
   if (out.mode != ContactMode::contact) return pen;
   pen.tip = cycle.behind().norm();
-  // What frames confirm is the canvas's own motion, and no roughness.
+  // A motion that frames confirm is the canvas's own, and no roughness.
   const double unexplained = 1.0 - cycle.confirmed;
   pen.normal_speed = unexplained * (out.n_WD.dot(cycle.velocity_on_canvas()) - out.rise);
   if (e_.control.impedance.wrench == WrenchFeedback::measured && out.push > 0.0)

@@ -37,8 +37,8 @@ class PenChanges : public DrawingTask {
       std::vector<StrokePart> parts, const Eigen::Vector3d& p_WE, const Eigen::Vector3d& n_W,
       double rest)>;
 
-  // What is left of the plan's strokes; the pen that is in, which draws first; X_WE: of the tip of
-  // arm.urdf. Plans all: no path is planned while the arm is driven, but those of gaps.
+  // Takes the rest of the plan's strokes; the pen that is in, which draws first; and X_WE, the
+  // pose of arm.urdf's tip. Plans all: while the arm is driven, only paths of gaps are planned.
   PenChanges(const Experiment& experiment, std::vector<StrokePart> left, const HeldPen& in,
              const Pose& X_WE, const DrawingMaker& make);
 

@@ -27,7 +27,7 @@ std::vector<StrokePart> remaining(const Experiment& e, const InkWatch& ink,
                                   const std::vector<StrokePart>& given_up) {
   std::vector<StrokePart> done = ink.parts();
   done.insert(done.end(), given_up.begin(), given_up.end());
-  // What a pad's centre missed for less than half a radius, its face has treated before and behind.
+  // A pad's face has treated, from before and behind, gaps of its centre under half a radius.
   const ToolSettings& tool = e.scenario.tool;
   return rest_of(
       e.plan.strokes, done,

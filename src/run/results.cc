@@ -32,7 +32,7 @@ std::vector<std::vector<Eigen::Vector3d>> left_out_in(const std::filesystem::pat
   return lines;
 }
 
-// Where an area was covered, a groove cut or a blade led, the metrics of its file come first.
+// The metrics of a covered area, a groove or a led blade come first.
 void write_metrics(const std::filesystem::path& folder, const Metrics& metrics) {
   nlohmann::ordered_json all = nlohmann::ordered_json::object();
   for (const char* const file : {kCoverFile, kGrooveFile, kBladeFile}) {

@@ -25,7 +25,7 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
                       const PlacedArtwork& artwork, const std::function<void()>& check = {},
                       const Canvas* canvas = nullptr);
 
-// Where an area was covered; what it holds under "metrics" comes first in metrics.json.
+// The file of a covered area; its "metrics" come first in metrics.json.
 inline constexpr const char* kCoverFile = "cover.json";
 
 // The command that draws the run in a folder again.

@@ -1,4 +1,4 @@
-// What a tool has done, judged by the truth of every step.
+// Judges a tool's work by the truth of every step.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What a pad has treated, place by place, from its poses and forces: the world's for the truth, the
+// A pad's treatment, place by place, from its poses and forces: the world's for the truth, the
 // arm's own for what it knows.
 //
 //   p_i = k max(0, d − z_i) within r of the pad's axis, d so that Σ p dA = f          pressure [Pa]
@@ -39,7 +39,7 @@ class TreatmentMap {
   double dose(std::size_t v) const { return dose_[v]; }  // [Pa m]
   bool treated(std::size_t v) const { return good_[v] >= kShare * crossing_; }
   int visits(std::size_t v) const { return visits_[v]; }  // apart by kApart
-  // Of the pad's mean pressure, while it slides at over a tenth of its speed [Pa].
+  // The pad's mean pressure, while it slides at over a tenth of its speed [Pa].
   double pressure_mean() const;
   double pressure_sd() const;
 
@@ -57,8 +57,7 @@ class TreatmentMap {
   std::vector<std::pair<std::size_t, double>> under_;  // vertices under the pad, z_E [m]
 };
 
-// Of the places that are marked: share of their area that is treated; the mean and the coefficient
-// of variation of their dose.
+// Treated share of the marked places, and the mean and the coefficient of variation of their dose.
 struct TreatmentShares {
   double area = 0.0, treated = 0.0, twice = 0.0;  // [m²]; visited more than once
   double dose_mean = 0.0, dose_cv = 0.0;

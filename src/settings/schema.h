@@ -229,12 +229,18 @@ class Fields {
     return *this;
   }
   template <class T>
-  void constant(std::string name, T value, const Range& = Range::any(), std::string unit = "") {
+  void constant(std::string name, const T& value, const Range& = Range::any(),
+                std::string unit = "") {
     std::string text;
-    if constexpr (std::is_same_v<T, bool>)
+    if constexpr (std::is_same_v<T, bool>) {
       text = value ? "true" : "false";
-    else
+    } else if constexpr (requires { value.size(); }) {
+      Words numbers;
+      for (const double x : value) numbers.push_back(number_text(x));
+      text = "[" + joined(numbers) + "]";
+    } else {
       text = number_text(value);
+    }
     constants_.push_back({std::move(name), std::move(text), std::move(unit)});
   }
 

@@ -59,6 +59,15 @@ std::string unknown_key(std::string_view key, const std::string& name, const Gro
   return fmt::format("unknown key '{}'{}; {}", shown(key), name.empty() ? "" : " in " + name, hint);
 }
 
+// A value, or the numbers of a list, as ConstantSetting has them; empty: neither.
+std::string one_line(const YAML::Node& node) {
+  if (node.IsScalar()) return node.Scalar();
+  if (!node.IsSequence()) return "";
+  Words words;
+  for (const YAML::Node& entry : node) words.push_back(entry.IsScalar() ? entry.Scalar() : "");
+  return "[" + joined(words) + "]";
+}
+
 // Whether `text` is the value of a setting that has become a constant, as files of earlier versions
 // and recorded scenarios may give it; false: there is no such constant. Throws if it is another.
 bool is_constant(const Group& group, const std::string& key, std::string_view text,
@@ -117,9 +126,7 @@ class Reader {
         wrong(place(key_line), fmt::format("{} is given twice{}", shown(below(name, now)),
                                            now == key ? "" : ", here by its former name " + key));
       if (name.empty() && key == "extends" && has_lines_) continue;
-      if (is_constant(group, key, pair.second.IsScalar() ? pair.second.Scalar() : "", name,
-                      place(key_line)))
-        continue;
+      if (is_constant(group, key, one_line(pair.second), name, place(key_line))) continue;
       if (field == group.fields.end()) wrong(place(key_line), unknown_key(key, name, group));
       // Errors use the name that was given.
       read(pair.second, key_line, *field, below(name, key));

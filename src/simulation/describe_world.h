@@ -14,7 +14,7 @@ template <class F>
 void describe(F& f, TipMaterial& s) {
   f.field("radius", s.radius, {1e-5, 0.05}, "m", "Radius of the tip sphere.");
   f.field("stiffness", s.stiffness, {10.0, 1e7}, "N/m", "Stiffness along the normal.");
-  f.field("damping", s.damping, {0.0, 1e5}, "N s/m", "Damping along the normal.");
+  f.constant("damping", s.damping, {0.0, 1e5}, "N s/m");
   f.field("friction", s.friction, {0.0, 3.0}, "",
           "Coulomb friction coefficient of tip and canvas.");
   f.field("friction_change", s.friction_change, {0.0, 1.0}, "",
@@ -118,10 +118,9 @@ void describe(F& f, JointSensorSettings& s) {
           "Standard deviation of the white noise of a velocity sample.");
   f.field("delay", s.delay, {0.0, 0.03}, "s", "Delay of the readings.");
   f.choice("velocity", s.velocity, {"exact", "difference", "none"},
-           "Velocities that the sensors give: the true ones, the filtered difference of the "
-           "positions, or none; none needs control.joint_sensing.velocity: estimated.");
-  f.field("velocity_bandwidth", s.velocity_bandwidth, {0.0, 1e4}, "rad/s",
-          "Bandwidth of the low-pass filter of the difference; 0: no filter.");
+           "Velocities that the sensors give: the true ones, the difference of the "
+           "positions through a low-pass of 250 rad/s, or none; none needs control.joint_sensing.velocity: estimated.");
+  f.constant("velocity_bandwidth", s.velocity_bandwidth, {0.0, 1e4}, "rad/s");
 }
 
 template <class F>
@@ -142,9 +141,8 @@ void describe(F& f, CanvasMotionSettings& s) {
   f.field("roll", s.roll, {-1.0, 1.0}, "rad", "Its amplitude.");
   f.field("roll_frequency", s.roll_frequency, {0.0, 20.0}, "Hz", "Its frequency.");
   f.field("jolts", s.jolts, {0.0, 0.1}, "m",
-          "Root-mean-square displacement by random jolts, on each axis.");
-  f.field("jolt_bandwidth", s.jolt_bandwidth, {0.01, 20.0}, "Hz",
-          "Frequency up to which the spectrum of the jolts is flat.");
+          "Root-mean-square displacement by random jolts, on each axis, of up to 1 Hz.");
+  f.constant("jolt_bandwidth", s.jolt_bandwidth, {0.01, 20.0}, "Hz");
   f.field("file", s.file,
           "A recorded motion in place of all of these, CSV: t [s], x, y, z [m], qw, qx, qy, qz of "
           "any frame fixed to the canvas, at least every 0.25 s.");

@@ -45,13 +45,6 @@ struct PadSettings {
   double friction_across = 0.0;  // of a line: against motion along y_E
   double trail = 0.0;            // of a line's middle behind E, along −x_E [m]
 
-  struct Limits {
-    static constexpr Limit radius = {"radius", "m", {5e-5, 0.1}};
-    static constexpr Limit thickness = {"thickness", "m", {1e-3, 0.1}};
-    static constexpr Limit stiffness = {"stiffness", "N/m³", {1e4, 1e9}};
-    static constexpr Limit damping = {"damping", "N s/m³", {0.0, 1e6}};
-  };
-
   double area() const;  // π r² [m²]; of a line: its length [m]
   // Pressure of the foam, compressed by δ at the rate v [Pa]; of a line [N/m].
   double pressure(double compression, double rate) const {

@@ -167,8 +167,10 @@ TEST_F(CommandLine, DrawingWhereItCannotBe) {
   refused({"draw", "--shape", "m"}, {"--shape m: ", "did you mean 'M'?", "sine, sine10"});
   refused({"draw", "--set", "drawing.shape=cosine"},
           {"drawing.shape is 'cosine'", "M, sine, sine10"});
-  refused({"draw", "--set", "path.tilt_speed=5"},
-          {"--set path.tilt_speed", "above control.turn_speed_limit, 4 rad/s"});
+  refused({"draw", "--set", "path.turn_speed=5"},
+          {"--set path.turn_speed", "above control.turn_speed_limit, 4 rad/s"});
+  refused({"draw", "--set", "control.turn_speed_limit=1.2"},
+          {"--set control.turn_speed_limit", "below the 1.5 rad/s"});
   // The iiwa 14 with its pen reaches about 1 m from its shoulder.
   for (const char* blind : {"true", "false"})
     refused(
@@ -349,7 +351,7 @@ TEST_F(CommandLine, TheBadInputIsNamedAndNoOther) {
         Words{"draw", "--svg", "ok.svg", "--set", "drawing.placement.scale=90"},
         Words{"draw", "--no-perception", "--set", "control.stiffness_normal=0"},
         Words{"draw", "--set", "drawing.placement.centre=[0.7, 0.1]"},
-        Words{"draw", "--set", "path.tilt_speed=5"}, Words{"draw", "--set", "name=.x"},
+        Words{"draw", "--set", "path.turn_speed=5"}, Words{"draw", "--set", "name=.x"},
         Words{"draw", "--set", "arm.start=[0.1, 0.1, 0.1]"},
         Words{"draw", "--set", "canvas.cap.centre=[5, 0, 0]"},
         Words{"calibrate-tool", "--set", "control.wrench=none"},

@@ -104,11 +104,19 @@ TEST(BuiltIn, RefusesWhatMakesNoCanvas) {
   expect_refused(bowl([](auto& s) { s.edge = 0.2; }),
                  "edge is 0.2 m, allowed is at most the opening_radius");
   expect_refused(bowl([](auto& s) { s.edge = 1e-6; }), "bowl.edge is 1e-06 m");
-  expect_refused([] { make_bowl({.radius = 10, .opening_radius = 10, .edge = 2e-4}); },
-                 "take a longer edge");
   expect_refused(bowl([&](auto& s) { s.centre.y() = nan; }), "bowl.centre is nan m");
   expect_refused([] { make_plane({.normal = Vector3d::Zero()}); }, "plane.normal");
   expect_refused([] { make_plane({.width = -1}); }, "plane.width is -1 m");
+}
+
+// Cells of a fifth of a millimetre would make tens of billions of triangles of ten metres.
+TEST(BuiltIn, HasLongerEdgesWhereItIsLarge) {
+  for (const TriangleMesh& mesh :
+       {make_bowl({.radius = 10, .opening_radius = 10, .edge = 2e-4}),
+        make_plane({.width = 10, .height = 10, .edge = 2e-4})}) {
+    EXPECT_GT(mesh.triangles.size(), 1'500'000u);
+    EXPECT_LT(mesh.triangles.size(), 2'500'000u);
+  }
 }
 
 }  // namespace

@@ -89,32 +89,11 @@ const std::map<std::string, Words> kCompanions = {
     {"drawing.placement.margin", {"drawing.placement.fit_width=2"}},
     {"perception.region_lower", {"perception.region_upper=[10, 10, 10]"}},
     {"perception.region_upper", {"perception.region_lower=[-10, -10, -10]"}},
-    {"canvas.cap", {"canvas.cap.edge=0.005"}},
-    {"canvas.cap.radius lowest", {"canvas.cap.opening_radius=0.005", "canvas.cap.edge=0.001"}},
-    {"canvas.cap.opening_radius lowest", {"canvas.cap.edge=0.001"}},
-    {"canvas.cap.opening_radius highest", {"canvas.cap.radius=10", "canvas.cap.edge=0.1"}},
-    {"canvas.cap.edge lowest", {"canvas.cap.opening_radius=0.005"}},
-    {"canvas.cap.edge highest", {"canvas.cap.radius=1", "canvas.cap.opening_radius=0.5"}},
+    {"canvas.cap.radius lowest", {"canvas.cap.opening_radius=0.005"}},
+    {"canvas.cap.opening_radius highest", {"canvas.cap.radius=10"}},
     {"canvas.plane.edge lowest", {"canvas.plane.width=0.01", "canvas.plane.height=0.01"}},
-    {"canvas.wave", {"canvas.wave.edge=0.01"}},
-    {"canvas.wave.edge lowest", {"canvas.wave.width=0.01", "canvas.wave.height=0.01"}},
-    {"canvas.wave.edge highest", {"canvas.wave.wavelength=1"}},
-    {"canvas.wave.wavelength lowest",
-     {"canvas.wave.width=0.01", "canvas.wave.height=0.01", "canvas.wave.edge=0.0005"}},
-    {"canvas.saddle", {"canvas.saddle.edge=0.01"}},
-    {"canvas.saddle.edge lowest", {"canvas.saddle.width=0.01", "canvas.saddle.height=0.01"}},
-    {"canvas.terrain", {"canvas.terrain.edge=0.01"}},
-    {"canvas.terrain.edge lowest", {"canvas.terrain.width=0.01", "canvas.terrain.height=0.01"}},
-    {"canvas.terrain.edge highest", {"canvas.terrain.feature=1"}},
-    {"canvas.terrain.feature lowest",
-     {"canvas.terrain.width=0.01", "canvas.terrain.height=0.01", "canvas.terrain.edge=0.0005"}},
-    {"canvas.cylinder", {"canvas.cylinder.edge=0.01"}},
-    {"canvas.cylinder.radius lowest", {"canvas.cylinder.width=0.01", "canvas.cylinder.edge=0.01"}},
-    {"canvas.cylinder.width highest", {"canvas.cylinder.radius=10", "canvas.cylinder.edge=0.1"}},
-    {"canvas.cylinder.edge lowest", {"canvas.cylinder.width=0.01", "canvas.cylinder.length=0.01"}},
-    {"canvas.cone", {"canvas.cone.edge=0.005"}},
-    {"canvas.cone.base_radius highest", {"canvas.cone.edge=0.1"}},
-    {"canvas.cone.edge lowest", {"canvas.cone.base_radius=0.005"}},
+    {"canvas.cylinder.radius lowest", {"canvas.cylinder.width=0.01"}},
+    {"canvas.cylinder.width highest", {"canvas.cylinder.radius=10"}},
     {"canvas.mesh",
      {"canvas.mesh.unit=mm",
       "canvas.mesh.file=" + (kRoot / "tests/data/flower_tile.obj").string()}},
@@ -218,7 +197,7 @@ void check_control(const Scenario& s) {
   WrenchEstimator{estimator};
   JointStateEstimator(
       {s.world.dt, c.joint_sensing.bandwidth, c.joint_sensing.sensor_delay.value_or(0.0),
-       c.torque_delay.value_or(0.0), c.joint_sensing.least_bandwidth},
+       c.torque_delay.value_or(0.0)},
       7);
 }
 
@@ -314,11 +293,8 @@ TEST(Limits, LibraryRefusesWhatTheSchemaRefuses) {
     });
   };
   for (const auto& [name, refusal, value] :
-       {std::tuple{"path.corner_angle", path([](auto& s) { s.corner_angle_deg = 90; }), "90"},
-        std::tuple{"path.hover_height", path([](auto& s) { s.hover_height = 0; }), "0"},
-        std::tuple{"path.safe_height", path([](auto& s) { s.safe_height = 0; }), "0"},
+       {std::tuple{"path.safe_height", path([](auto& s) { s.safe_height = 0; }), "0"},
         std::tuple{"preflight.clearance", preflight([](auto& s) { s.clearance = 0.02; }), "0.02"},
-        std::tuple{"preflight.max_slope", preflight([](auto& s) { s.max_slope_deg = 0.5; }), "0.5"},
         std::tuple{"control.stiffness_normal",
                    control([](auto& s) { s.stiffness.linear.normal = -1; }), "-1"},
         std::tuple{"control.approach_speed", control([](auto& s) { s.approach.speed = 0; }), "0"},

@@ -72,9 +72,9 @@ TEST(LighterPen, PressesMoreSteadilyOnRoughGround) {
 }
 
 // The tip of 1 mm touches waves of 2 mm with its side, up to 40° off the normal that the cameras
-// see. With an error of 50 N the force tells nothing.
+// see. Without a share of the felt normal the force tells nothing.
 TEST(FeltNormal, KeepsForceAndInkWhereTheCamerasSmoothTheGround) {
-  const Figures without = drawn_on_terrain("40", "0.002", {"control.felt_normal.force_error=50"}),
+  const Figures without = drawn_on_terrain("40", "0.002", {"control.felt_normal.share=0"}),
                 with = drawn_on_terrain("40", "0.002", {});
   EXPECT_LT(with["force_sd"], 0.8 * without["force_sd"]);
   EXPECT_LT(with["ink_error_rms"], without["ink_error_rms"]);

@@ -54,10 +54,12 @@ std::string set_error(const std::string& assignment) {
 struct Sides {
   bool both = true;
   int count = 2;
+  Eigen::Vector2d along{0.5, 1.0};
 };
 
 template <class F>
 void describe(F& f, Sides& s) {
+  f.constant("along", s.along, {0.0, 1.0}, "m");
   f.constant("both", s.both, Range::any(), "");
   f.constant("count", s.count, {1, 4}, "");
 }
@@ -102,7 +104,10 @@ TEST(Description, AGroupOfConstantsIsReadAndNotWritten) {
   Fold fold;
   Places places;
   EXPECT_NO_THROW(
-      read_yaml_text("sides: {both: true, count: 2}", "s.yaml", "", described(fold), places));
+      read_yaml_text("sides: {both: true, count: 2, along: [0.5, 1]}", "s.yaml", "",
+                     described(fold), places));
+  EXPECT_EQ(error_of([&] { read_settings(fold, "", {"sides.along=[0.5, 0.9]"}); }),
+            "--set sides.along=[0.5, 0.9]: sides.along is a constant: [0.5, 1] m");
   EXPECT_EQ(error_of([&] { read_settings(fold, "", {"sides.both=false"}); }),
             "--set sides.both=false: sides.both is a constant: true");
   EXPECT_EQ(settings_yaml(fold).find("sides"), std::string::npos);

@@ -1,4 +1,4 @@
-// What a plan waits for while the canvas is lost, moves, or comes to rest.
+// Makes a plan wait while the canvas is lost, moves, or comes to rest.
 #pragma once
 
 #include <fmt/format.h>

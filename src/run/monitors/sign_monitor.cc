@@ -48,7 +48,7 @@ SignMonitor::SignMonitor(const ImpedanceSettings& s, const JointVector& torque_l
 
 Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
                             const JointVector& tau) noexcept {
-  // Of a state that was read before, or of rest, nothing is learned.
+  // A state that was read before teaches nothing, and neither does rest.
   if (arm.v == v_ || !arm.v.allFinite() || !F_ext.allFinite() || !tau.allFinite()) {
     observer_.pause();
     return {};
@@ -85,7 +85,7 @@ Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
   yy_ += mean_share_ * (y * y - yy_);
   sizes_ += mean_share_ * ((size_quick_ - size_slow_).square() - sizes_);
   for (Eigen::Index i = 0; i < x.size(); ++i) {
-    // What fades is the end of a push, and of the friction beside it.
+    // A fading product is the end of a push, and of the friction beside it.
     if (x[i] * x[i] < xx_[i] || xy_[i] * xy_[i] < kAlike * xx_[i] * yy_[i]) continue;
     const double rms = std::sqrt(sizes_[i]), slope = xy_[i] / xx_[i];
     const bool joint = i < n;
