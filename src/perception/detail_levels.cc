@@ -23,7 +23,8 @@ constexpr int kFewest = 16;
 // A step of the surface: half of it on either side leaves a plane fit a residual of 0.26 times the
 // step, however small the patch is. So the finest patch has a residual above kStep [m], which
 // noise, as wide as at the other points, does not explain (kAboveNoise), and which a wider patch
-// does not exceed by far (kSameAtAnyScale). The plan keeps kStepMargin off it [m].
+// does not exceed by far (kSameAtAnyScale). The plan keeps kStepMargin off it [m]. Where a wider
+// patch does, as over rough ground, the residual is misfit of all places as near.
 constexpr double kStep = 1.6e-4, kAboveNoise = 5.0, kSameAtAnyScale = 0.6, kStepMargin = 4e-3;
 
 double mean_weight(const CloudPatches& patches, const Patch& patch) {
@@ -144,21 +145,34 @@ void DetailLevels::find_steps(const std::vector<Residuals>& residuals) {
   noise_ = finest[n / 2];
   const double least = std::max(kStep, kAboveNoise * noise_);
   steps_.assign(n, 0);
+  std::vector<int> edge(n, -1);
   for (int i = 0; i < n; ++i) {
     const Residuals& r = residuals[i];
-    if (r.finest < least || r.finest < kSameAtAnyScale * r.widest) continue;
+    if (r.finest < least) continue;
     int index[kMostNeighbours];
     double squared[kMostNeighbours];
     const int found = widest_.tree().nearest(widest_.cloud().points[i], kMostNeighbours,
                                              kStepMargin, index, squared);
-    for (int j = 0; j < found; ++j) steps_[index[j]] = 1;
+    const bool steps = r.finest >= kSameAtAnyScale * r.widest;
+    for (int j = 0; j < found; ++j) {
+      int& worst = edge[index[j]];
+      if (steps)
+        steps_[index[j]] = 1;
+      else if (worst < 0 || r.finest > residuals[worst].finest)
+        worst = i;
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    if (edge[i] < 0 || rough_[i].rougher_than(residuals[edge[i]].finest)) continue;
+    rough_[i].misfit = residuals[edge[i]].finest;
+    rough_[i].radius = residuals[edge[i]].radius;
   }
 }
 
 // Also fills rough_[i] and *residuals.
 float DetailLevels::choose_level(int i, const Trial& widest, Residuals* residuals) {
   if (!widest.ok) return 0.0f;
-  *residuals = {widest.residual, widest.residual};
+  *residuals = {widest.residual, widest.residual, widest.radius};
   rough_[i] = {widest.residual, widest.radius, 0.0, 2.0 * widest.residual / widest.radius};
   if (widest.residual < kGood / 2.0 * widest.radius) return 0.0f;
   const Vector3d& p = widest_.cloud().points[i];
@@ -168,6 +182,7 @@ float DetailLevels::choose_level(int i, const Trial& widest, Residuals* residual
   while (!trials.back().ok) trials.pop_back();
   const Trial& finest = trials.back();
   residuals->finest = finest.residual;
+  residuals->radius = finest.radius;
   const auto noise_of = [&](const Trial& t) {
     return finest.residual * std::sqrt(finest.weight / t.weight);
   };

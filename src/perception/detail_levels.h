@@ -61,9 +61,9 @@ class DetailLevels {
     double residual = 0.0, radius = 0.0, weight = 1.0;
     int k = 1;
   };
-  // Residuals of the widest and the finest patch at a point [m].
+  // Residuals of the widest and the finest patch at a point, and the finest one's radius [m].
   struct Residuals {
-    double widest = 0.0, finest = 0.0;
+    double widest = 0.0, finest = 0.0, radius = 0.0;
   };
 
   explicit DetailLevels(const CloudPatches& widest) : widest_(widest) {}

@@ -379,7 +379,7 @@ Verdict ArmMonitors::judge(const Cycle& cycle, const Reaction& reaction, bool bl
   if (worst) return worst;
   worst = reading_.judge(cycle);
   if (worst || state == Reaction::State::damp) return worst;
-  worst = signs_.judge(cycle);
+  worst = worse(signs_.judge(cycle), reversal_.judge(cycle));
   if (worst) return worst;
   if (state != Reaction::State::halt) worst = emergency(cycle);
   if (!worst) worst = fences_.judge(cycle);

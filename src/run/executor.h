@@ -18,6 +18,7 @@
 #include "impedraw/run/monitors/rattle_monitor.h"
 #include "impedraw/run/monitors/reach_monitor.h"
 #include "impedraw/run/monitors/reading_monitor.h"
+#include "impedraw/run/monitors/reversal_monitor.h"
 #include "impedraw/run/monitors/sign_monitor.h"
 #include "impedraw/run/monitors/speed_monitor.h"
 #include "impedraw/run/monitors/state_monitor.h"
@@ -49,6 +50,7 @@ class ArmMonitors {
   StateMonitor state_;
   TareMonitor tare_;
   ReadingMonitor reading_;
+  ReversalMonitor reversal_;
   SignMonitor signs_;
   FenceMonitor fences_;
   SpeedMonitor speed_;

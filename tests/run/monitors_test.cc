@@ -7,6 +7,7 @@
 #include "impedraw/run/monitors/canvas_monitor.h"
 #include "impedraw/run/monitors/rattle_monitor.h"
 #include "impedraw/run/monitors/reach_monitor.h"
+#include "impedraw/run/monitors/reversal_monitor.h"
 #include "impedraw/run/monitors/speed_monitor.h"
 #include "impedraw/run/monitors/state_monitor.h"
 #include "impedraw/run/monitors/step_time_monitor.h"
@@ -89,6 +90,29 @@ TEST(SpeedMonitor, NamesTheJointAndLetsTheDrawingGoOn) {
   EXPECT_THAT(said.cause,
               StartsWith("joint_4 was above its speed limit of 2.00 rad/s at t = 0.00"));
   EXPECT_THAT(said.cause, HasSubstr(", with torques at their limits"));
+}
+
+// Cycles from the turn of a force, in the pen's axes, until it is named; −1: within 20 it is not.
+int cycles_until_reversal(const Eigen::Vector3d& before, const Eigen::Vector3d& after,
+                          const Eigen::Vector3d& weight = Eigen::Vector3d::Zero()) {
+  MadeUpCycle made;
+  ReversalMonitor monitor;
+  for (int n = -20; n < 20; ++n) {
+    // The reading is the next cycle's; its last digit is noise.
+    made.F_ext.head<3>() = made.state.wrench.head<3>() - weight;
+    made.state.wrench.head<3>() = (n < 0 ? before : after) + weight;
+    made.state.wrench[0] += 1e-3 * (n % 3);
+    if (monitor.judge(made.next())) return n;
+  }
+  return -1;
+}
+TEST(ReversalMonitor, NamesAWrenchThatTurnsOverAndNoFrictionThatDoes) {
+  EXPECT_EQ(cycles_until_reversal({1.5, 0.0, -5.0}, {-1.5, 0.0, 5.0}), 2);
+  EXPECT_EQ(cycles_until_reversal({1.5, 0.0, -5.0}, {-1.5, 0.0, -5.0}), -1);  // friction
+  EXPECT_EQ(cycles_until_reversal({4.0, 0.0, -5.0}, {-4.0, 0.0, -5.0}, {0.0, 0.0, 5.0}), -1);
+  EXPECT_EQ(cycles_until_reversal({0.0, 0.0, -5.0}, {0.0, 0.0, 0.0}), -1);   // lifted
+  EXPECT_EQ(cycles_until_reversal({0.0, 0.0, -5.0}, {0.0, 0.0, 12.0}), -1);  // a hand
+  EXPECT_EQ(cycles_until_reversal({0.0, 0.0, -1.0}, {0.0, 0.0, 1.0}), -1);   // noise
 }
 
 // Wires, at heights that differ, are left if walls are felt; a canvas that is too stiff is not.

@@ -13,7 +13,8 @@ constexpr double kQuick = 200.0, kMean = 50.0;            // [rad/s]
 constexpr double kSlowTorque = 80.0, kSlowWrench = 12.0;  // [rad/s]
 constexpr double kOpposed = 1.5, kMost = 2.5, kMadeUp = 0.8, kAlike = 0.94;
 constexpr double kLeastForce = 0.8, kLeastPush = 5.0;  // of the push, that counts from there [N]
-constexpr double kMadeUpForce = 9.0;                   // [N]
+constexpr double kMadeUpForce = 9.0, kPull = 2.5;      // [N]
+constexpr double kHabit = 0.1, kAboveHabit = 9.0;      // [rad/s]; of squares
 constexpr double kLeastTorque = 2.0, kShare = 0.01;    // [Nm], of the limit
 constexpr int kLasts = 4;                              // cycles: longer than an outlier
 
@@ -31,6 +32,7 @@ SignMonitor::SignMonitor(const ImpedanceSettings& s, const JointVector& torque_l
       dt_(s.timing.dt),
       quick_share_(followed(kQuick, dt_)),
       mean_share_(followed(kMean, dt_)),
+      habit_share_(followed(kHabit, dt_)),
       late_(static_cast<std::size_t>(std::lround(
           (wrench_age(s.timing) + s.timing.torque_delay() + s.timing.velocity_age) / dt_))),
       observer_({true, kQuick, 1000.0, {}}, static_cast<int>(torque_limit.size()), dt_,
@@ -42,7 +44,7 @@ SignMonitor::SignMonitor(const ImpedanceSettings& s, const JointVector& torque_l
   least_.head(torque_limit.size()) = (kShare * torque_limit.array()).max(kLeastTorque);
   slow_.head(torque_limit.size()).setConstant(followed(kSlowTorque, dt_));
   weightless_.fill(v_);
-  quick_ = x_slow_ = y_slow_ = size_quick_ = size_slow_ = xx_ = xy_ = yy_ = sizes_ =
+  quick_ = x_slow_ = y_slow_ = size_quick_ = size_slow_ = xx_ = xy_ = yy_ = sizes_ = habit_ =
       Channels::Zero(least_.size());
 }
 
@@ -84,13 +86,15 @@ Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
   xy_ += mean_share_ * (x * y - xy_);
   yy_ += mean_share_ * (y * y - yy_);
   sizes_ += mean_share_ * ((size_quick_ - size_slow_).square() - sizes_);
+  habit_ += habit_share_ * (yy_ - habit_);
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     // A fading product is the end of a push, and of the friction beside it.
     if (x[i] * x[i] < xx_[i] || xy_[i] * xy_[i] < kAlike * xx_[i] * yy_[i]) continue;
+    if (yy_[i] < kAboveHabit * habit_[i]) continue;
     const double rms = std::sqrt(sizes_[i]), slope = xy_[i] / xx_[i];
-    const bool joint = i < n;
+    const bool joint = i < n, pulls = i == n + 2 && size_quick_[i] > kPull;
     const bool within = slope > -kMost;
-    const bool opposed = within && slope < -kOpposed && rms > least_[i];
+    const bool opposed = within && slope < -kOpposed && (rms > least_[i] || pulls);
     const bool made_up = within && !joint && slope < -kMadeUp && rms > kMadeUpForce;
     if (!opposed && !made_up) continue;
     if (++lasts_ < kLasts) return {};

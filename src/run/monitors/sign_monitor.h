@@ -14,6 +14,11 @@
 //             friction of 3 Nm that begins to hold the arm as the pen lands looks alike, but
 //             smaller.
 //   made up   the same below −0.8, with 9 N
+//   pull      as `wrench`, where the force has pulled at the pen along its axis by 2.5 N for 5 ms:
+//             no surface pulls, and the law already drives the pen into it
+//
+// An arm that shakes, for springs in its joints that nobody told, moves against torques and forces
+// all the time: ⟨y²⟩ counts above 9 times its mean over the last 10 s alone.
 #pragma once
 
 #include <array>
@@ -51,6 +56,7 @@ class SignMonitor {
 
   bool felt_;
   double dt_, quick_share_, mean_share_;  // of a step that the low-passes follow
+  double habit_share_;                    // the same of habit_
   std::size_t late_, step_ = 0;
   MomentumObserver observer_;
   std::array<JointVector, kHistory> weightless_;  // τ − g of past steps [Nm]
@@ -61,6 +67,7 @@ class SignMonitor {
   Channels quick_, x_slow_, y_slow_;
   Channels size_quick_, size_slow_;  // of τ − g and F_ext
   Channels xx_, xy_, yy_, sizes_;    // ⟨⟩ of squares
+  Channels habit_;                   // of ⟨y²⟩
 };
 
 }  // namespace impedraw
