@@ -3,8 +3,9 @@
 //   m ẇ = f − b w      w: of the retreat; f: the measured force beyond kFelt
 //   ṡ = w              until the force is gone; then s → s + kClear f̂, where nothing touches
 //
-// After kRest without a force s returns to zero at kReturn. The law's own stiffness would otherwise
-// push against a canvas that comes nearer, by its stiffness times the way.
+// After kRest without a force, or once the pen comes down, s returns to zero at kReturn: never at
+// once, or the pen would dash at what hit it. The law's own stiffness would otherwise push against a
+// canvas that comes nearer, by its stiffness times the way.
 #pragma once
 
 #include <algorithm>
@@ -24,12 +25,11 @@ class HitRetreat {
   // Once per step of dt [s]. lifted: the pen is in the air, by the plan and by its contact state;
   // force: on the tip, in W [N]. Allocates nothing.
   void update(const Eigen::Vector3d& force, bool lifted, double dt) noexcept {
-    const double f = force.norm();
+    const double f = lifted ? force.norm() : 0.0;
     if (!lifted) {
-      s_.setZero();
       w_.setZero();
       left_ = 0.0;
-      return;
+      since_ = kRest;
     }
     Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
     if (f > kFelt) {

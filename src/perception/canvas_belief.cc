@@ -36,28 +36,31 @@ const std::array<AxisModel, CanvasBelief::kFilters> CanvasBelief::kBank = {{{1, 
                                                                             {3, 1e-1, 8.0},
                                                                             {3, 1.0, 8.0},
                                                                             {3, 10.0, 8.0}}};
-const std::array<double, CanvasBelief::kBands> CanvasBelief::kCutoffs = {0.4, 0.7, 1.1, 1.8, 3.0};
+const std::array<double, CanvasBelief::kBands> CanvasBelief::kCutoffs = {0.7, 1.1, 1.8, 3.0};
 
 AxisState CanvasBelief::model_state(const Entry& from, int model, int axis,
                                     double time) const noexcept {
   if (model < kFilters)
     return from.filters[model][axis].ahead(time - from.time, kBank[model].rate, kBank[model].order);
-  if (model < kSwinging) return from.bands[model - kFilters][axis].at(time);
+  if (model < kSwinging) return from.polynomials[model - kFilters][axis].at(time);
   return from.waves[axis].at(time);
 }
 
 bool CanvasBelief::holds(const Entry& entry, int model, int axis) const noexcept {
   if (model < kFilters) return true;
-  return model < kSwinging ? entry.banded[axis] : entry.waves[axis].fitted;
+  if (model == kSwinging) return entry.waves[axis].fitted;
+  return entry.fitted[axis] &&
+         (model < kRepeated || std::isfinite(entry.polynomials[kBands][axis].c[0]));
 }
 
-std::array<double, CanvasBelief::kModels> CanvasBelief::weights(int axis) const noexcept {
+std::array<double, CanvasBelief::kModels> CanvasBelief::weights(const Entry& from,
+                                                                int axis) const noexcept {
   // All errors hold the noise of what they are compared with: what one has beyond the best counts.
   // The simpler of two models that do as well is to be preferred.
   constexpr double kAlike = 0.03;  // in shares of that noise
   const Score& score = scores[axis];
   const auto has = [&](int m) {
-    return holds(last, m, axis) && (score.weight > 0.0 || m < kFilters);
+    return holds(from, m, axis) && (score.weight > 0.0 || m < kFilters);
   };
   double best = 1e300;
   for (int m = 0; m < kModels; ++m)
@@ -77,7 +80,7 @@ std::array<double, CanvasBelief::kModels> CanvasBelief::weights(int axis) const 
 }
 
 AxisState CanvasBelief::blend(const Entry& from, int axis, double time) const noexcept {
-  const std::array<double, kModels> w = weights(axis);
+  const std::array<double, kModels> w = weights(from, axis);
   AxisState out;
   for (int m = 0; m < kModels; ++m) {
     if (w[m] == 0.0) continue;

@@ -23,8 +23,9 @@ struct CanvasShift {
 
 struct CanvasBelief {
   static constexpr int kAxes = 6;
-  static constexpr int kPlain = 5, kFilters = kPlain + 8, kBands = 5;
-  static constexpr int kSwinging = kFilters + kBands, kModels = kSwinging + 1;
+  static constexpr int kPlain = 5, kFilters = kPlain + 8, kBands = 4;
+  static constexpr int kRepeated = kFilters + kBands, kSwinging = kRepeated + 1;
+  static constexpr int kModels = kSwinging + 1;
   static const std::array<AxisModel, kFilters> kBank;  // kPlain: without a rate
   static const std::array<double, kBands> kCutoffs;    // [Hz]
 
@@ -35,8 +36,9 @@ struct CanvasBelief {
     std::array<double, kAxes> x{}, variance{};  // centre in W, then φ
     std::array<std::array<AxisFilter, kAxes>, kFilters> filters{};
     std::array<AxisWave, kAxes> waves{};
-    std::array<std::array<AxisPolynomial, kAxes>, kBands> bands{};
-    std::array<bool, kAxes> banded{};  // bands hold
+    // Bands, then what is repeated: its first coefficient is NaN where nothing is.
+    std::array<std::array<AxisPolynomial, kAxes>, kBands + 1> polynomials{};
+    std::array<bool, kAxes> fitted{};  // polynomials hold
   };
   struct Score {
     std::array<double, kModels> square{};  // mean squared error lately
@@ -67,7 +69,8 @@ struct CanvasBelief {
 
   bool holds(const Entry& entry, int model, int axis) const noexcept;
   AxisState model_state(const Entry& from, int model, int axis, double time) const noexcept;
-  std::array<double, kModels> weights(int axis) const noexcept;
+  // Of the models that hold in `from`.
+  std::array<double, kModels> weights(const Entry& from, int axis) const noexcept;
   AxisState blend(const Entry& from, int axis, double time) const noexcept;
 };
 

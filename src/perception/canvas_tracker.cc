@@ -12,6 +12,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
 #include "impedraw/common/rotation_vector.h"
+#include "impedraw/perception/repeated_motion.h"
 #include "impedraw/perception/rigid_fit.h"
 #include "impedraw/perception/rotation_coordinates.h"
 
@@ -211,7 +212,7 @@ void CanvasTracker::refer_anew() noexcept {
     near = Vector3d(entries_[k].x[3], entries_[k].x[4], entries_[k].x[5]);
     for (int i = 3; i < kAxes; ++i) {
       entries_[k].waves[i] = {};
-      entries_[k].banded[i] = false;
+      entries_[k].fitted[i] = false;
     }
   }
   update_from(0);
@@ -274,15 +275,22 @@ void CanvasTracker::fit_bands() noexcept {
     times[k] = samples_[0][first + k].time;
     weights[k] = mean / samples_[0][first + k].variance;
   }
-  last.banded.fill(false);
+  last.fitted.fill(false);
   for (int m = 0; m < kBands; ++m) {
     if (!band_.set(CanvasBelief::kCutoffs[m], {times.data(), n}, {weights.data(), n})) return;
     for (int i = 0; i < kAxes; ++i) {
       for (std::size_t k = 0; k < n; ++k) x[k] = samples_[i][first + k].x;
-      last.bands[m][i] = band_.predict({x.data(), n});
+      last.polynomials[m][i] = band_.predict({x.data(), n});
     }
   }
-  last.banded.fill(true);
+  last.fitted.fill(true);
+}
+
+void CanvasTracker::fit_repeated() noexcept {
+  AxisPolynomial none;
+  none.c.fill(std::nan(""));
+  for (int i = 0; i < kAxes; ++i)
+    entries_.back().polynomials[kBands][i] = RepeatedMotion::predict(samples_[i]).value_or(none);
 }
 
 void CanvasTracker::add(const CanvasFrame& frame) noexcept {
@@ -300,8 +308,8 @@ void CanvasTracker::add(const CanvasFrame& frame) noexcept {
   entries_.insert(entries_.begin() + static_cast<std::ptrdiff_t>(at), entry);
   if (at > 0) {
     entries_[at].waves = entries_[at - 1].waves;
-    entries_[at].bands = entries_[at - 1].bands;
-    entries_[at].banded = entries_[at - 1].banded;
+    entries_[at].polynomials = entries_[at - 1].polynomials;
+    entries_[at].fitted = entries_[at - 1].fitted;
   }
   update_from(at);
   std::size_t old = entries_.size() > kMostEntries ? kMostEntries / 4 : 0;
@@ -313,6 +321,7 @@ void CanvasTracker::add(const CanvasFrame& frame) noexcept {
     refer_anew();
   collect();
   fit_bands();
+  fit_repeated();
   fit_waves();
   belief_.last = entries_.back();
   belief_.known = true;
@@ -323,8 +332,8 @@ void CanvasTracker::restamp(double by) noexcept {
   for (Entry& e : entries_) {
     e.time += by;
     for (AxisWave& wave : e.waves) wave.origin += by;
-    for (auto& band : e.bands)
-      for (AxisPolynomial& axis : band) axis.origin += by;
+    for (auto& model : e.polynomials)
+      for (AxisPolynomial& axis : model) axis.origin += by;
   }
   if (!entries_.empty()) belief_.last = entries_.back();
 }
@@ -336,9 +345,10 @@ double CanvasTracker::position_error() const noexcept {
 
 const char* CanvasTracker::model(int axis) const noexcept {
   if (entries_.empty()) return "none";
-  const std::array<double, kModels> w = belief_.weights(axis);
+  const std::array<double, kModels> w = belief_.weights(belief_.last, axis);
   const auto most = std::max_element(w.begin(), w.end()) - w.begin();
   if (most == kSwinging) return "swinging";
+  if (most == CanvasBelief::kRepeated) return "repeated";
   if (most >= kFilters) return "band";
   static constexpr const char* kNames[] = {"standing", "steady", "drifting"};
   if (most >= CanvasBelief::kPlain) return "smooth";

@@ -67,7 +67,7 @@ class CanvasTracker {
   // lateness [m]. Includes the measurements' own noise.
   double position_error() const noexcept;
   // The model that counts most for a coordinate, 0 to 5: "steady", "drifting", "smooth",
-  // "band" or "swinging".
+  // "band", "repeated" or "swinging".
   const char* model(int axis) const noexcept;
   // Null without one.
   const CanvasShape* shape() const noexcept { return shape_.get(); }
@@ -87,6 +87,7 @@ class CanvasTracker {
   void refer_anew() noexcept;
   void collect() noexcept;
   void fit_bands() noexcept;
+  void fit_repeated() noexcept;
   void fit_waves() noexcept;
 
   CanvasTrackerSettings settings_;

@@ -54,6 +54,8 @@ class ControlLoop {
   }
   // References are in W again, and the pen goes over to them within `duration` [s].
   void leave_canvas(double duration = 0.0) noexcept { canvas_.leave(duration); }
+  // True while a lifted pen is away from its plan, because of what hit it.
+  bool retreats() const noexcept { return !hit_.shift().isZero(0.0); }
   // The tip as measured, in K.
   Pose X_KE() const noexcept { return canvas_.pose().inverse() * terms_.X_WE; }
   // The surface as it is learned from touch; null if it is not.

@@ -77,8 +77,12 @@ PenDeviation PathFollower::deviation(const Cycle& cycle) const {
   const ImpedanceTorque& out = cycle.out;
   pen.limit = forecast_.limit(planned_);
   pen.joint = (cycle.arm.v.cwiseAbs().array() / e_.belief.arm.limits().speed.array()).maxCoeff();
-  if (cycle.desired.stroke < 0) return pen;
-  pen.waits = out.mode == ContactMode::approach;
+  const bool draws = cycle.desired.stroke >= 0;
+  const auto begins = [&] { return path().at(planned_ + clock_.way()).stroke >= 0; };
+  // A stroke begins in contact: where the pen has not touched yet, the clock stops before it does.
+  pen.waits =
+      out.mode == ContactMode::approach ? draws || begins() : !draws && arm_.loop().retreats();
+  if (!draws) return pen;
   pen.tilt = smallest_rotation(cycle.arm.X_WE.R.col(2), -out.axis_WD).norm();
   if (out.mode != ContactMode::contact) return pen;
   pen.tip = cycle.behind().norm();

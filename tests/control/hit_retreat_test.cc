@@ -59,6 +59,23 @@ TEST(HitRetreat, ReturnsWhenNothingIsThere) {
   EXPECT_NEAR(retreat.shift().norm(), 0.0, 1e-9);
 }
 
+// The defect: the reference of a pen that was hit jumped back by 25 mm as its plan went on to the
+// approach, and the tip met the canvas with 45 N.
+TEST(HitRetreat, APenThatComesDownReturnsSlowly) {
+  HitRetreat retreat;
+  for (int i = 0; i < 50; ++i) retreat.update({0.0, 0.0, 8.0}, true, 1e-3);
+  double last = retreat.shift().norm();
+  EXPECT_GT(last, 5e-3);
+  for (int i = 0; i < 3000; ++i) {
+    retreat.update({0.0, 0.0, 5.0}, false, 1e-3);
+    const double now = retreat.shift().norm();
+    EXPECT_GT(now - last, -1.01e-3 * HitRetreat::kReturn) << i;
+    EXPECT_LE(now, last);
+    last = now;
+  }
+  EXPECT_EQ(last, 0.0);
+}
+
 TEST(HitRetreat, SmallForcesAndAPenOnTheCanvasMoveNothing) {
   HitRetreat retreat;
   for (int i = 0; i < 500; ++i) retreat.update({0.0, 0.0, 1.9}, true, 1e-3);

@@ -11,6 +11,7 @@
 
 #include "drawn_scenario.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/minimum_jerk.h"
 #include "impedraw/experiment/place_auto.h"
 #include "impedraw/run/monitors/canvas_monitor.h"
 #include "impedraw/simulation/canvas_motion.h"
@@ -221,6 +222,37 @@ TEST_F(RecordedCanvas, IsDrawnOnInAHand) {
       "moving", {"canvas.motion.ramp=2", "canvas.motion.file=" + write("hand.csv", rows).string()});
   EXPECT_GT(f["contact_fraction"], 0.995);
   EXPECT_LT(f["ink_error_rms"], 0.7);
+}
+
+// A conveyor that rests and moves by steps, three there and three back.
+TEST_F(RecordedCanvas, IsDrawnOnAsItMovesBySteps) {
+  constexpr double kWay = 0.04, kMove = 0.6, kRest = 0.9;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> share(0.9, 1.1);
+  std::vector<double> starts;
+  for (double t = 0.3; t < 40.0; t += kMove + kRest * share(random)) starts.push_back(t);
+  std::string rows = "t,x,y,z,qw,qx,qy,qz\n";
+  for (int i = 0; i < 60 * 40; ++i) {
+    double y = 0.0;
+    for (std::size_t k = 0; k < starts.size(); ++k)
+      y += (k / 3 % 2 == 0 ? -kWay : kWay) *
+           MinimumJerk::at(std::clamp((i / 60.0 - starts[k]) / kMove, 0.0, 1.0), kMove).share;
+    rows += fmt::format("{},0,{},0,1,0,0,0\n", i / 60.0, y);
+  }
+  const std::vector<std::string> set = {"canvas.motion.ramp=2",
+                                        "canvas.motion.file=" + write("steps.csv", rows).string()};
+  const Figures f = draw_scenario("moving", set);
+  EXPECT_GT(f["contact_fraction"], 0.999);
+  EXPECT_LT(f["ink_error_rms"], 0.45);
+}
+
+// The pen comes down slower than the plan allows for. The defect: the plan's clock only began to
+// stop once the stroke had begun, without ink.
+TEST(MovingCanvas, AStrokeBeginsInContact) {
+  for (const char* name : {"moving-heave", "bowl-sine-sensor"}) {
+    SCOPED_TRACE(name);
+    EXPECT_EQ(draw_scenario(name, {"control.approach_speed=0.004"})["contact_fraction"], 1.0);
+  }
 }
 
 // Two letters, and the bowl is moved by 60 mm after the first: the second waits until it stands.

@@ -48,6 +48,18 @@ TEST(PlanClock, SlowsDownWhereTheTipIsShaken) {
   EXPECT_NEAR(sum, bounds.stop / (bounds.stop - bounds.slow + rms), 0.02);
 }
 
+// Where the pen waits, the plan goes on by way() and no further.
+TEST(PlanClock, KnowsHowFarThePlanGoesOnWhileItStops) {
+  PlanClock clock({}, kDt);
+  for (const int before : {0, 1500, 120, 60}) {  // cycles in which it runs, from a stop on
+    for (int i = 0; i < before; ++i) clock.advance({});
+    const double way = clock.way(), lag = clock.lag();
+    for (int i = 0; i < 300; ++i) clock.advance({0.0, 0.0, 0.0, 0.0, 1.0, true});
+    EXPECT_EQ(clock.rate(), 0.0);
+    EXPECT_NEAR(300 * kDt - (clock.lag() - lag), way, 1.1 * kDt);
+  }
+}
+
 // A canvas that is not there must not hold up the drawing.
 TEST(PlanClock, LosesPatience) {
   const ClockSettings settings;

@@ -5,6 +5,7 @@ import math
 import re
 import subprocess
 
+import numpy as np
 import pytest
 
 from conftest import ROOT, command, needs_program, sweep
@@ -100,6 +101,29 @@ def test_surfaces_of_every_kind(cells):
     assert {c.group for c in surfaces.values()} == {"fractal", "facets", "ridges", "ripple", "step",
                                                     "hole", "lip", "mesh"}
     assert {n.rsplit("-", 1)[1] for n in surfaces} == {"hatch", "spiral", "text"}
+
+
+def test_hands_are_drawn_on_as_the_setup_makes_them(cells, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "setup"))
+    import hand_motions
+
+    hands, seeds = cells("hands"), range(1, 7)
+    drawn = [k for k in hand_motions.KINDS if k != "hits"]
+    assert set(hands) == {f"{k}-{s}-{d}" for k in drawn for s in seeds for d in ("sine", "M")} | {
+        f"hits-{s}-text" for s in seeds}
+    for name, case in hands.items():
+        motion = name.rsplit("-", 1)[0]
+        assert case.settings["canvas.motion.file"] == f"build/motions/{motion}.csv"
+    for kind, (rms, turn, *_, tremor) in hand_motions.NOISES.items():
+        _, p, phi = hand_motions.motion(kind, 7)
+        assert np.std(p, axis=0) == pytest.approx(math.hypot(rms, tremor), rel=0.02), kind
+        assert np.std(phi, axis=0) == pytest.approx(math.radians(turn), rel=0.02, abs=1e-9), kind
+    for kind, (axis, way, move, rest, back) in hand_motions.MOVES.items():
+        t, p, _ = hand_motions.motion(kind, 7)
+        assert np.ptp(np.delete(p, axis, 1)) == 0.0
+        assert np.ptp(p[:, axis]) == pytest.approx(abs(way) * (1 if back else 3), rel=0.01)
+        moves = np.abs(np.gradient(p[:, axis], t)) > 1e-9
+        assert np.mean(moves) == pytest.approx(move / (move + rest), abs=0.08), kind
 
 
 # Those of each study that take the least time, and surfaces that the cameras do not resolve.
