@@ -1,4 +1,4 @@
-"""Ten objects that no test draws on, as three views of a foreign renderer (Embree, through trimesh) see them on a table, and what
+"""Objects that no test draws on, as three views of a foreign renderer (Embree, through trimesh) see them on a table, and what
 `--place surface` makes of them.
 
     python -m venv V && V/bin/pip install numpy scipy trimesh embreex scikit-image
@@ -138,7 +138,82 @@ def trunk(p):
     return blend(d, rod(p, (0.05, 0.05, 0.18), (0.16, 0.14, 0.26), 0.025), 0.02)
 
 
-OBJECTS = {f.__name__: f for f in (skull, bust, boot, guitar, mug, chair, tall_chair, helmet, lamp, car, trunk)}
+def bumps(p, size, seed):
+    """Smooth noise, about ± 1, with features of this size [m]."""
+    random = np.random.default_rng(seed)
+    total = np.zeros(p.shape[:-1])
+    for _ in range(12):
+        k = random.normal(size=3)
+        total += np.sin(p @ (k / np.linalg.norm(k) * 2 * np.pi / size * random.uniform(0.7, 1.4)) + random.uniform(0, 6.3))
+    return total / 3.5
+
+
+def rock(p):
+    return (ball(p, (0, 0, 0.08), (0.15, 0.12, 0.10)) - 0.012 * bumps(p, 0.11, 1) - 0.002 * bumps(p, 0.03, 2)) * 0.8
+
+
+def scanned_ball(p):
+    return ball(p, (0, 0, 0.10), (0.11, 0.11, 0.11)) - 0.0006 * bumps(p, 0.014, 3)
+
+
+def cushion(p):
+    thick = 0.055 * np.sqrt(np.clip((1 - (p[..., 0] / 0.19) ** 2) * (1 - (p[..., 1] / 0.17) ** 2), 0, 1)) ** 0.8
+    d = np.maximum(np.abs(p[..., 2] - 0.06) - thick, np.maximum(np.abs(p[..., 0]) - 0.19, np.abs(p[..., 1]) - 0.17))
+    return (d + 0.012 * np.exp(-(p[..., 0] ** 2 + p[..., 1] ** 2) / 0.02**2)) * 0.7
+
+
+def vase(p):
+    z = p[..., 2]
+    r = 0.075 + 0.035 * np.sin(2 * np.pi * (z - 0.02) / 0.30)
+    wall = np.abs(np.hypot(p[..., 0], p[..., 1]) - r) * 0.8 - 0.004
+    return np.minimum(np.maximum(wall, np.abs(z - 0.14) - 0.14), upright(p, (0, 0), 0.075, 0, 0.01))
+
+
+def pumpkin(p):
+    a = np.arctan2(p[..., 1], p[..., 0])
+    r = np.hypot(p[..., 0], p[..., 1])
+    d = np.hypot(r - 0.065 - 0.010 * np.abs(np.cos(5 * a)) * np.clip(r / 0.08, 0, 1), (p[..., 2] - 0.085) * 0.95) - 0.078
+    d = np.minimum(d, upright(p, (0, 0), 0.05, 0.03, 0.13))
+    return blend(d * 0.8, rod(p, (0, 0, 0.12), (0.02, 0, 0.19), 0.012), 0.015)
+
+
+def shoe(p):
+    d = blend(rod(p, (-0.09, 0, 0.055), (0.10, 0.01, 0.035), 0.042), ball(p, (-0.08, 0, 0.10), (0.055, 0.042, 0.06)), 0.04)
+    d = np.maximum(d, -ball(p, (-0.09, 0, 0.15), (0.042, 0.03, 0.07)))
+    for k in range(4):
+        x = -0.02 + 0.02 * k
+        d = np.minimum(d, rod(p, (x, -0.025, 0.085 - 0.3 * (x + 0.02)), (x, 0.025, 0.085 - 0.3 * (x + 0.02)), 0.003))
+    return np.minimum(d, box(p, (0.005, 0, 0.01), (0.145, 0.046, 0.010), 0.008))
+
+
+def small_mug(p):
+    d = np.maximum(upright(p, (0, 0), 0.06, 0, 0.15), -upright(p, (0, 0), 0.054, 0.01, 0.5))
+    return np.minimum(d, np.maximum(ring(p, (0, 0.065, 0.075), 0, 0.035, 0.008), -upright(p, (0, 0), 0.057, -1, 1)))
+
+
+def hull(p):
+    keel = 0.10 * np.sqrt(np.clip(1 - (p[..., 0] / 0.21) ** 2, 0, 1))
+    d = np.hypot(p[..., 1] / 0.9, np.maximum(p[..., 2], 0)) - keel
+    return blend(d * 0.7, box(p, (-0.02, 0, 0.095), (0.12, 0.006, 0.02)), 0.015)
+
+
+def saddle_shell(p):
+    z = 0.10 + 2.2 * (p[..., 0] ** 2 - p[..., 1] ** 2)
+    shell = np.abs(p[..., 2] - z) * 0.7 - 0.004
+    return np.minimum(np.maximum(shell, np.hypot(p[..., 0], p[..., 1]) - 0.15), upright(p, (0, 0), 0.02, 0, 0.10))
+
+
+def bicycle_helmet(p):
+    d = np.maximum(ball(p, (0, 0, 0.03), (0.15, 0.105, 0.125)), 0.01 - p[..., 2])
+    for y in (-0.055, 0.0, 0.055):
+        for x in (-0.09, 0.0, 0.08):
+            d = np.maximum(d, -ball(p, (x, y, 0.14 - 1.6 * y * y), (0.030, 0.009, 0.03)))
+    return np.maximum(d, -ball(p, (0, 0, 0.0), (0.125, 0.082, 0.105)))
+
+
+FIRST = (skull, bust, boot, guitar, mug, chair, tall_chair, helmet, lamp, car, trunk)
+SECOND = (rock, scanned_ball, cushion, vase, pumpkin, shoe, small_mug, hull, saddle_shell, bicycle_helmet)
+OBJECTS = {f.__name__: f for f in FIRST + SECOND}
 
 
 def mesh_of(distance):
@@ -150,8 +225,10 @@ def mesh_of(distance):
     return trimesh.Trimesh(vertices + low, faces)
 
 
-def stood(mesh, width=None):
+def stood(mesh, width=None, up="z"):
     """Before the arm, on the table."""
+    if up != "z":
+        mesh.vertices = mesh.vertices[:, [1, 2, 0]] if up == "x" else mesh.vertices[:, [0, 2, 1]] * (1, -1, 1)
     low, high = mesh.bounds
     if width:
         mesh.apply_scale(width / (high - low)[:2].max())
@@ -204,13 +281,14 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--program", default="build/release/src/app/impedraw")
     parser.add_argument("--only", default=",".join(OBJECTS))
-    parser.add_argument("--mesh", nargs="*", default=[], help="of others, z up, instead")
+    parser.add_argument("--mesh", nargs="*", default=[], help="of others, instead")
+    parser.add_argument("--up", choices="xyz", default="z", help="axis of those")
     parser.add_argument("--width", type=float, default=0.3, help="of those [m]")
     parser.add_argument("--captures", action="store_true", help="draws nothing")
     parser.add_argument("--set", action="append", default=[])
     a = parser.parse_args()
     more = [x for s in a.set for x in ("--set", s)]
-    made = {pathlib.Path(m).stem: lambda m=m: stood(trimesh.load(m, force="mesh"), a.width) for m in a.mesh}
+    made = {pathlib.Path(m).stem: lambda m=m: stood(trimesh.load(m, force="mesh"), a.width, a.up) for m in a.mesh}
     if not made:
         made = {name: lambda f=OBJECTS[name]: stood(mesh_of(f)) for name in a.only.split(",")}
     for name, make in made.items():

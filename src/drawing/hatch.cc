@@ -19,30 +19,26 @@ using Eigen::Vector2d;
 constexpr double kMostLines = 100'000;
 constexpr double kShortest = 1e-5;  // [mm]
 constexpr double kInset = 0.25;  // of joined lines from the outline: half a pen [mm on the canvas]
+constexpr double kBend = 2.0;    // between points of a line that follows the surface [mm there]
 
-// The area in the hatch's frame H: x_H along the lines, y_H across.
-struct Turned {
-  Vector2d along, across;
+// An area in the frame of a set of lines.
+struct AreaInFrame {
   Eigen::AlignedBox2d box;  // of the outlines in H
   RegionIndex region;       // of the area in H
-
-  Vector2d to_H(const Vector2d& p) const { return {along.dot(p), across.dot(p)}; }
-  Vector2d to_page(double x, double y) const { return x * along + y * across; }
 };
 
-Turned turned(const Area& area, double angle) {
-  Turned t{
-      {std::cos(angle), -std::sin(angle)}, {std::sin(angle), std::cos(angle)}, {}, RegionIndex({})};
+AreaInFrame in_frame(const HatchFrame& frame, const Area& area) {
+  AreaInFrame t{{}, RegionIndex({})};
   Area in_H = area;
-  for (auto& outline : in_H.outlines)
-    for (Vector2d& p : outline) p = t.to_H(p);
+  std::erase_if(in_H.outlines, [](const auto& outline) { return outline.empty(); });
+  for (auto& outline : in_H.outlines) outline = frame.outline_to_H(outline);
   t.box = outlines_box(in_H.outlines);
   if (!t.box.isEmpty()) t.region = RegionIndex(RegionMath(t.box).region(in_H));
   return t;
 }
 
-// One set of lines.
-std::vector<Stroke> set_of_lines(const Turned& t, const Area& area, double spacing) {
+// One set of lines, in H.
+std::vector<Stroke> set_of_lines(const AreaInFrame& t, const Area& area, double spacing) {
   std::vector<Stroke> lines;
   if (t.box.isEmpty()) return lines;
   const double first = std::ceil(t.box.min().y() / spacing - 0.5),
@@ -76,7 +72,7 @@ std::vector<Stroke> set_of_lines(const Turned& t, const Area& area, double spaci
     if (backwards) std::reverse(row.begin(), row.end());
     for (auto [a, b] : row) {
       if (backwards) std::swap(a, b);
-      lines.push_back({{t.to_page(a, y), t.to_page(b, y)}});
+      lines.push_back({{{a, y}, {b, y}}});
       lines.back().layer = area.layer;
       lines.back().colour = area.colour;
     }
@@ -87,11 +83,11 @@ std::vector<Stroke> set_of_lines(const Turned& t, const Area& area, double spaci
 // Joins one set's lines to strokes that the pen draws in one go: from the end of a line to an end
 // in a row beside it, where the way between them stays in the area. Ends stand back by `inset`, so
 // that the ink of a join does, too.
-std::vector<Stroke> flowing(std::vector<Stroke> lines, const Turned& t, double spacing,
+std::vector<Stroke> flowing(std::vector<Stroke> lines, const AreaInFrame& t, double spacing,
                             double inset) {
   std::map<std::int64_t, std::vector<std::size_t>> rows;
   const auto row_of = [&](const Stroke& line) {
-    return std::llround(t.across.dot(line.points[0]) / spacing - 0.5);
+    return std::llround(line.points[0].y() / spacing - 0.5);
   };
   for (std::size_t i = 0; i < lines.size(); ++i) {
     rows[row_of(lines[i])].push_back(i);
@@ -102,8 +98,8 @@ std::vector<Stroke> flowing(std::vector<Stroke> lines, const Turned& t, double s
   std::vector<double> crossings;
   const auto stays_inside = [&](const Vector2d& a, const Vector2d& b) {
     crossings.clear();
-    t.region.crossings(t.to_H(a), t.to_H(b), crossings);
-    return crossings.empty() && t.region.inside(t.to_H((a + b) / 2));
+    t.region.crossings(a, b, crossings);
+    return crossings.empty() && t.region.inside((a + b) / 2);
   };
   std::vector<Stroke> strokes;
   std::vector<char> used(lines.size(), false);
@@ -139,20 +135,31 @@ std::vector<Stroke> flowing(std::vector<Stroke> lines, const Turned& t, double s
   return strokes;
 }
 
-std::vector<Stroke> hatch(const Area& area, const HatchSettings& settings, double scale,
-                          bool joined) {
+// Of the sets of lines; none without hatching.
+std::vector<HatchFrame> frames_of(const HatchSettings& settings, double scale,
+                                  const SurfaceDistances& on_surface,
+                                  const Eigen::AlignedBox2d& box) {
   require_in_range("hatch", HatchSettings::Limits::spacing, settings.spacing_mm);
   require_in_range("hatch", HatchSettings::Limits::angle, settings.angle_deg);
   require_in_range("the hatch's scale", scale, Range::positive(), "");
+  std::vector<HatchFrame> frames;
+  if (settings.spacing_mm == 0 || box.isEmpty()) return frames;
+  for (int set = 0; set < (settings.cross ? 2 : 1); ++set)
+    frames.emplace_back((settings.angle_deg + 90.0 * set) * std::numbers::pi / 180, on_surface, box,
+                        kBend / scale);
+  return frames;
+}
+
+std::vector<Stroke> hatch(const Area& area, const std::vector<HatchFrame>& frames,
+                          const HatchSettings& settings, double scale, bool joined) {
   std::vector<Stroke> strokes;
-  if (settings.spacing_mm == 0) return strokes;
   const double spacing = settings.spacing_mm / scale,
                inset = std::min(settings.spacing_mm / 2, kInset) / scale;
-  for (int set = 0; set < (settings.cross ? 2 : 1); ++set) {
-    const Turned t =
-        turned(area, settings.angle_deg * std::numbers::pi / 180 + set * std::numbers::pi / 2);
+  for (const HatchFrame& frame : frames) {
+    const AreaInFrame t = in_frame(frame, area);
     std::vector<Stroke> lines = set_of_lines(t, area, spacing);
     if (joined) lines = flowing(std::move(lines), t, spacing, inset);
+    for (Stroke& line : lines) line.points = frame.line_to_page(line.points);
     strokes.insert(strokes.end(), lines.begin(), lines.end());
   }
   return strokes;
@@ -161,22 +168,29 @@ std::vector<Stroke> hatch(const Area& area, const HatchSettings& settings, doubl
 }  // namespace
 
 std::vector<Stroke> hatch_strokes(const Area& area, const HatchSettings& settings, double scale) {
-  return hatch(area, settings, scale, true);
+  const auto frames = frames_of(settings, scale, {}, outlines_box(area.outlines));
+  return hatch(area, frames, settings, scale, true);
 }
 
-std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale) {
-  return hatch(area, settings, scale, false);
+std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale,
+                                const SurfaceDistances& on_surface) {
+  const auto frames = frames_of(settings, scale, on_surface, outlines_box(area.outlines));
+  return hatch(area, frames, settings, scale, false);
 }
 
 void drop_edges(Artwork& artwork) {
   std::erase_if(artwork.strokes, [](const Stroke& stroke) { return stroke.edge; });
 }
 
-void apply_hatch(Artwork& artwork, const HatchSettings& settings, double scale) {
+void apply_hatch(Artwork& artwork, const HatchSettings& settings, double scale,
+                 const SurfaceDistances& on_surface) {
   if (!settings.outline) drop_edges(artwork);
+  Eigen::AlignedBox2d box;
+  for (const Area& area : artwork.areas) box.extend(outlines_box(area.outlines));
+  const std::vector<HatchFrame> frames = frames_of(settings, scale, on_surface, box);
   std::vector<std::vector<Stroke>> lines(artwork.layers.size());
   for (const Area& area : artwork.areas) {
-    const std::vector<Stroke> of_area = hatch_strokes(area, settings, scale);
+    const std::vector<Stroke> of_area = hatch(area, frames, settings, scale, true);
     lines[area.layer].insert(lines[area.layer].end(), of_area.begin(), of_area.end());
   }
   for (std::size_t layer = 0; layer < lines.size(); ++layer) {

@@ -7,13 +7,14 @@
 // An area does not hide what was painted before it: overlapping areas each keep their lines. An
 // area narrower than the spacing may get none.
 //
-// The spacing is the page's. On the surface it is the same where the page is wrapped (±5 % on
-// slopes up to 45°), and up to 1 / cos(slope) wider where it is projected.
+// The spacing is the page's, which a wrapped page has on the surface, too. On a page that is
+// projected it is measured on the surface (hatch_frame.h): lines bend, and keep their distance.
 #pragma once
 
 #include <vector>
 
 #include "impedraw/common/range.h"
+#include "impedraw/drawing/hatch_frame.h"
 #include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
@@ -32,9 +33,10 @@ struct HatchSettings {
 };
 
 // Returns the area's lines at settings.spacing_mm / scale on the page, where `scale` is the
-// placement's; none for a spacing of 0. InputError: a spacing, scale or angle out of range, or more
-// than 100,000 lines across an area.
-std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale);
+// placement's; none for a spacing of 0. on_surface: distances there; none: those of the page.
+// InputError: a spacing, scale or angle out of range, or more than 100,000 lines across an area.
+std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale,
+                                const SurfaceDistances& on_surface = {});
 
 // The same lines, joined where they can be drawn in one go (boustrophedon). A join stays within the
 // area; the lines end half a pen before the outline.
@@ -42,7 +44,8 @@ std::vector<Stroke> hatch_strokes(const Area& area, const HatchSettings& setting
 
 // apply_hatch() puts each area's joined lines behind the other strokes of its layer, and drops the
 // edges if settings.outline is false. drop_edges() only drops the edges. Both keep the areas.
-void apply_hatch(Artwork& artwork, const HatchSettings& settings, double scale);
+void apply_hatch(Artwork& artwork, const HatchSettings& settings, double scale,
+                 const SurfaceDistances& on_surface = {});
 void drop_edges(Artwork& artwork);
 
 }  // namespace impedraw

@@ -10,6 +10,7 @@
 #include "impedraw/drawing/hershey.h"
 #include "impedraw/drawing/order.h"
 #include "impedraw/drawing/simplify.h"
+#include "impedraw/experiment/hatch_distances.h"
 
 namespace impedraw {
 namespace {
@@ -83,7 +84,7 @@ PlacementSettings placement_settings(const DrawingSettings& s) {
 }
 
 Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors,
-                   const std::function<void(double)>& progress) {
+                   const std::function<void(double)>& progress, const SurfaceHeight* surface) {
   if (s.svg.empty() && s.text.text.empty()) return make_shape(s.shape);
   Artwork artwork = given_artwork(s, setting_errors);
   if (!s.layer.empty())
@@ -98,8 +99,11 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
     // The areas count for the size, so that it is the same before and after.
     const Placement placement = setting_errors.locate(
         {"drawing.placement", "drawing"}, [&] { return place(artwork, placement_settings(s)); });
+    const SurfaceDistances distances = surface && hatches_surface(s)
+                                           ? hatch_distances(*surface, placement, artwork.areas)
+                                           : SurfaceDistances();
     setting_errors.locate({"drawing.hatch", "drawing"},
-                          [&] { apply_hatch(artwork, s.hatch, placement.scale()); });
+                          [&] { apply_hatch(artwork, s.hatch, placement.scale(), distances); });
   } else if (!s.hatch.outline) {
     artwork.areas.clear();
     drop_empty_layers(artwork);
@@ -123,6 +127,10 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
   return {std::move(artwork)};
 }
 
+bool hatches_surface(const DrawingSettings& s) {
+  return s.hatch.spacing_mm > 0.0 && s.mapping == Mapping::project && !s.svg.empty();
+}
+
 Pose drawing_frame(const DrawingSettings& s) {
   return {Eigen::Vector3d::Zero(), rotation_from_roll_pitch_yaw(s.tilt_deg).toRotationMatrix()};
 }
@@ -142,9 +150,10 @@ const std::vector<std::string>& placement_setting_names() {
 }
 
 PlacedArtwork load_artwork(const DrawingSettings& s, const SettingErrors& setting_errors,
-                           const std::function<void(double)>& progress) {
+                           const std::function<void(double)>& progress,
+                           const SurfaceHeight* surface) {
   PlacedArtwork artwork;
-  artwork.shape = make_artwork(s, setting_errors, progress);
+  artwork.shape = make_artwork(s, setting_errors, progress, surface);
   artwork.placement = setting_errors.locate(
       placement_setting_names(), [&] { return place(artwork.shape.drawn, placement_settings(s)); });
   artwork.X_WP = drawing_frame(s);

@@ -11,6 +11,7 @@
 #include "impedraw/common/pose.h"
 #include "impedraw/drawing/shapes.h"
 #include "impedraw/experiment/scenario.h"
+#include "impedraw/planning/surface_height.h"
 #include "impedraw/settings/setting_error.h"
 
 namespace impedraw {
@@ -27,10 +28,15 @@ struct PlacedArtwork {
   const std::vector<PlacedStroke>& desired() const { return ideal ? *ideal : strokes; }
 };
 
-// `progress`: called now and then with the share of the ordering, which takes longest. Throws
-// InputError with the setting's source location, from setting_errors.
+// `progress`: called now and then with the share of the ordering, which takes longest. `surface`:
+// that hatch lines lie evenly on; null: on the drawing plane. Throws InputError with the setting's
+// source location, from setting_errors.
 PlacedArtwork load_artwork(const DrawingSettings& settings, const SettingErrors& setting_errors,
-                           const std::function<void(double)>& progress = {});
+                           const std::function<void(double)>& progress = {},
+                           const SurfaceHeight* surface = nullptr);
+
+// True if the artwork depends on the surface.
+bool hatches_surface(const DrawingSettings& settings);
 
 // X_WP: the drawing plane, rotated by its tilt about W's origin.
 Pose drawing_frame(const DrawingSettings& settings);
@@ -48,6 +54,7 @@ PlacementSettings placement_settings(const DrawingSettings& settings);
 // target is then what is drawn. Warnings report deviations from the artwork. Deterministic. Throws
 // InputError with the setting's source location, from setting_errors.
 Shape make_artwork(const DrawingSettings& settings, const SettingErrors& setting_errors,
-                   const std::function<void(double)>& progress = {});
+                   const std::function<void(double)>& progress = {},
+                   const SurfaceHeight* surface = nullptr);
 
 }  // namespace impedraw

@@ -212,7 +212,7 @@ struct PlaceBench::Parts {
   double share_of(const PlacementSettings& placement, std::vector<Vector2d>* failed) {
     Scenario there = s;
     there.drawing.placement = placement;
-    const PlacedArtwork put = load_artwork(there.drawing, errors);
+    const PlacedArtwork put = load_artwork(there.drawing, errors, {}, &scene->belief.surface);
     try {
       const Plan plan = make_plan(there, put, scene->belief, Unreachable::tell, errors);
       double lost = 0.0;

@@ -81,14 +81,23 @@ PreparedPlan prepare_plan(const Scenario& given, const Places& places, Unreachab
   Scenario scenario = given;
   scenario.drawing.placement = placement_settings(scenario.drawing);
   if (progress) progress("reading and ordering the artwork", 0.0);
-  PlacedArtwork artwork = load_artwork(scenario.drawing, setting_errors, [&](double share) {
+  const auto ordering = [&](double share) {
     if (progress) progress("ordering the strokes", 0.05 + 0.15 * share);
-  });
+  };
+  const bool again = hatches_surface(scenario.drawing);
+  DrawingSettings drawing = scenario.drawing;
+  if (again) drawing.keep_order = true;  // the first look, without a surface, is for errors
+  PlacedArtwork artwork = load_artwork(drawing, setting_errors, ordering);
   give_forces(scenario, setting_errors, &artwork);
   if (progress) progress("looking at the canvas", 0.2);
   Scene scene = scenes ? scenes->take(scenario, artwork.X_WP, setting_errors)
                        : build_scene(scenario, artwork.X_WP, setting_errors);
   try {
+    if (again) {
+      const SurfaceHeight* known = scene.belief.height_unknown() ? nullptr : &scene.belief.surface;
+      artwork = load_artwork(scenario.drawing, setting_errors, ordering, known);
+      give_forces(scenario, setting_errors, &artwork);
+    }
     std::shared_future<Distortion> projected;
     if (summary == PlanSummary::beside) projected = distortion_beside(artwork, scene.belief);
     Plan plan = make_plan(scenario, artwork, scene.belief, unreachable, setting_errors, progress);

@@ -79,11 +79,10 @@ void describe(Fields& f, TextSettings& s) {
 
 void describe(Fields& f, HatchSettings& s) {
   using Limits = HatchSettings::Limits;
-  f.field(
-       Limits::spacing, s.spacing_mm,
-       "Distance, on the canvas, between the lines that stand for a fill; 0: fills are not "
-       "hatched. White is never hatched. On slopes it holds with mapping: wrap; projected, lines "
-       "lie up to 1 / cos(slope) as far apart.")
+  f.field(Limits::spacing, s.spacing_mm,
+          "Distance, on the canvas, between the lines that stand for a fill; 0: fills are not "
+          "hatched. White is never hatched. On slopes, too: the lines of a projected drawing bend "
+          "where the surface does.")
       .for_users();
   f.field(Limits::angle, s.angle_deg,
           "Angle of the lines to the page's X axis, counter-clockwise.");

@@ -143,6 +143,29 @@ TEST(Hatch, RowsAlternateAndCrossesStandAcross) {
   EXPECT_THROW(hatch_lines(square, {.spacing_mm = std::nan("")}, 1), InputError);
 }
 
+TEST(Hatch, EachPlaceOfABentFrameIsOnePlaceOfThePage) {
+  Eigen::AlignedBox2d box(Vector2d(-20, 10), Vector2d(80, 90));
+  // It bends, is steep, and falls where x > 60: made to rise there.
+  const SurfaceDistances distances = [](const Vector2d& across) {
+    return [across](const Vector2d& p) {
+      const double y = across.dot(p);
+      return p.x() > 60 ? -y : 1.4 * y + 3 * std::sin(0.1 * p.x()) + 2 * std::sin(0.2 * y);
+    };
+  };
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(0, 1);
+  for (const double angle : {0.0, 0.7, 2.0}) {
+    const HatchFrame frame(angle, distances, box, 2);
+    for (int i = 0; i < 1000; ++i) {
+      const Vector2d p = box.min() + box.sizes().cwiseProduct(Vector2d(any(random), any(random)));
+      EXPECT_LT((frame.to_page(frame.to_H(p)) - p).norm(), 1e-9);
+      if (p.x() > 55) continue;
+      const double wanted = distances({std::sin(angle), std::cos(angle)})(p);
+      EXPECT_NEAR(frame.to_H(p).y(), wanted, 0.1) << "between samples 2 mm apart";
+    }
+  }
+}
+
 TEST(Hatch, JoinedLinesStayInsideAndLoseNothing) {
   const Area square{{{{20, 20}, {80, 20}, {80, 80}, {20, 80}}}, false, 0};
   const Area ring{{circle({70.3, 60.2}, 40), circle({70.3, 60.2}, 15)}, true, 0};

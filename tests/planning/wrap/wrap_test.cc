@@ -309,8 +309,8 @@ std::vector<double> hatch_spacings(const SurfaceHeight& surface, double angle, b
   return spacings;
 }
 
-// A hatch's spacing is that of the surface where the page is wrapped. Projected, it is up to
-// 1 / cos(slope) wider: 41 % at 45°.
+// The spacing of straight lines is that of the surface where the page is wrapped. Projected, it is
+// up to 1 / cos(slope) wider: 41 % at 45°.
 TEST(Wrap, HatchesKeepTheirSpacingOnSlopes) {
   const SurfaceHeight slope = height_field([](double x, double) { return x - 0.6; });
   // Slopes reach 45° at the hatch's corners.

@@ -1,0 +1,18 @@
+// Distances on the surface over a placed page, by which hatch lines lie evenly there
+// (drawing/hatch_frame.h, planning/cover/surface_grid.h).
+#pragma once
+
+#include <vector>
+
+#include "impedraw/drawing/hatch_frame.h"
+#include "impedraw/drawing/placement.h"
+#include "impedraw/drawing/stroke.h"
+#include "impedraw/planning/surface_height.h"
+
+namespace impedraw {
+
+// Where there is no surface, that about it is continued. Of a page that is projected.
+SurfaceDistances hatch_distances(const SurfaceHeight& surface, const Placement& placement,
+                                 const std::vector<Area>& areas);
+
+}  // namespace impedraw
