@@ -45,7 +45,7 @@ void require_utf8(int argc, char** argv) {
                                  printable(folder)));
 }
 
-// What the buffer still holds may find a full disk.
+// The rest of the buffer may find a full disk.
 int flushed(int code) {
   errno = 0;
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;

@@ -124,7 +124,7 @@ CLI::App* add_plan(CLI::App& app, Call& call) {
   return command;
 }
 
-// Where the drawing lies, of a command that plans.
+// Options that place the drawing, of a command that plans.
 void add_placing(CLI::App* command, Call& call) {
   command
       ->add_option("--place", call.options.place,

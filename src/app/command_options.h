@@ -14,7 +14,7 @@ class App;
 
 namespace impedraw {
 
-// What the arguments say, and the exit code of the command that they name.
+// The arguments as read, and the exit code of the command that they name.
 struct Call {
   DrawOptions options;
   LiveOptions live;

@@ -51,7 +51,7 @@ std::string numbers(const Metrics& metrics, bool table) {
   return metrics_summary(metrics) + (table ? metrics_table(metrics) : "");
 }
 
-// Where report and incident are.
+// The lines that name report and incident.
 std::string pages(const fs::path& folder, const Metrics& metrics) {
   const auto path = [&folder](const char* name) {
     return fs::absolute(folder / name).lexically_normal().string();
@@ -89,7 +89,7 @@ std::string settings_page(const std::vector<SettingRow>& rows) {
          rows_markdown(of_tier(Tier::experts, rows));
 }
 
-// Whether an arm of one's own would draw on a canvas that nobody placed, and cannot.
+// True if an arm of one's own would draw on a canvas that nobody placed, and cannot.
 bool lies_out_of_reach(const Scenario& s, const Places& places) {
   const Scenario usual;
   if (s.arm.urdf.empty() || s.arm.driver != ArmDriver::sim || s.canvas.kind == CanvasKind::mesh ||
@@ -179,7 +179,7 @@ int draw(const DrawOptions& options, const LiveOptions& live, bool table) {
   if (goes_on) find_inputs(&scenario, folder, InputsFrom::originals);
   Prepared experiment = prepare_visibly(scenario, places);
   if (goes_on) {
-    // What the preparation completes.
+    // The preparation completes these.
     as_given.drawing.placement = experiment.scenario.drawing.placement;
     as_given.canvas.move = experiment.scenario.canvas.move;
     as_given.arm.start_p_WE = experiment.scenario.arm.start_p_WE;

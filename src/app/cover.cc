@@ -51,7 +51,7 @@ class Judge {
     if (row.contact_force.allFinite() && row.contact_normal.allFinite())
       press(&truth_, seen, &seen_, row.contact_normal_W().dot(row.contact_force), row.time, dt,
             row.stroke >= 0);
-    // What the arm knows: its own joints, its own wrench.
+    // The arm knows its own joints and its own wrench.
     if (!row.surface_normal.allFinite()) return;
     const Pose own =
         X_PW_ * row.estimated_canvas_pose.inverse() * model_.tip_pose(row.measured_position);

@@ -101,7 +101,7 @@ void say_summary(const ForceCase& c, const JudgedController& judged) {
       line);
 }
 
-// Of later runs the record goes: the page shows the first.
+// The records of later runs go: the page shows the first.
 void judge(JudgedRun* judged) {
   if (judged->run.ended.empty())
     judged->metrics = judge_force(judged->run.record, judged->run.question);

@@ -18,7 +18,7 @@ struct ArmLimits {
   Eigen::VectorXd lower, upper;  // joint range [rad]
   Eigen::VectorXd torque;        // ± [Nm]
   Eigen::VectorXd speed;         // ± [rad/s]
-  // Of every joint's torque [Nm/s]; infinite where the description does not say.
+  // Limit on every joint's torque rate [Nm/s]; infinite where the description does not say.
   double torque_rate = std::numeric_limits<double>::infinity();
 };
 
@@ -48,7 +48,7 @@ class ArmModel {
   int joints() const;
   const std::vector<std::string>& joint_names() const;
   const ArmLimits& limits() const;
-  // Where the description says (arm_notes.h), else empty [rad].
+  // The posture that the description gives (arm_notes.h), else empty [rad].
   const std::vector<double>& rest_posture() const;
 
   // Inertia of the rotors about the joints' axes, reflected through their gears [kg m²]. It stands

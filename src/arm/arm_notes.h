@@ -19,7 +19,7 @@ struct ArmNotes {
   std::vector<double> rotor_inertia;
 };
 
-// Of a file's text. Throws InputError if a number in the element cannot be read.
+// The notes in a file's text. Throws InputError if a number in the element cannot be read.
 ArmNotes read_arm_notes(const std::string& text, const std::filesystem::path& urdf);
 
 struct PenOnFlange {

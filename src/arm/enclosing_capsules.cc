@@ -45,7 +45,7 @@ Capsule along(const Matrix3Xd& points, const Eigen::Matrix3d& R, int i) {
           std::sqrt(std::max(0.0, across2.maxCoeff())) + 1e-6};
 }
 
-// Of all triangles, as bytes after a space.
+// The corners of all triangles, as bytes after a space.
 std::string corners_of(const std::filesystem::path& file) {
   Assimp::Importer importer;
   // URDF takes a mesh's axes as they are.

@@ -128,7 +128,7 @@ class Plain {
                       name_of(link), name, size, way));
   }
 
-  // Of a mesh, in the link's frame.
+  // The capsules of a mesh, in the link's frame.
   std::vector<Capsule> mesh_capsules(const UrdfElement* link, const UrdfElement* mesh,
                                      const Isometry3d& X) {
     const fs::path found = urdf_mesh(file_, value(mesh, "filename"));
@@ -308,7 +308,7 @@ Vector3d outwards(const UrdfElements& way, const Vector3d& p_R) {
   return axis;
 }
 
-// Where the pen begins, in F.
+// The place where the pen begins, in F.
 struct Mount {
   std::string flange;                        // F
   Isometry3d X_FM = Isometry3d::Identity();  // z along the pen

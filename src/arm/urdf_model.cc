@@ -59,7 +59,7 @@ void check_body(const std::string& link, const urdf::Geometry* body) {
   }
 }
 
-// What a joint that is neither revolute nor prismatic is called, or nothing.
+// The name of the type of a joint that is neither revolute nor prismatic, else nothing.
 const char* unusable_type(const urdf::Joint& joint) {
   switch (joint.type) {
     case urdf::Joint::REVOLUTE:

@@ -38,7 +38,7 @@ void set_placement(UrdfElement* e, const Eigen::Isometry3d& X);
 void fix_link(UrdfTree* tree, const std::string& to, const Eigen::Isometry3d& X,
               const std::string& name);
 
-// What urdfdom reads in a text. Throws InputError with its first complaint.
+// The model that urdfdom reads in a text. Throws InputError with its first complaint.
 urdf::ModelInterfaceSharedPtr parsed_urdf(const std::string& text,
                                           const std::filesystem::path& file);
 

@@ -76,7 +76,7 @@ TriangleMesh outside_box(const TriangleMesh& mesh, const Eigen::AlignedBox3d& bo
   for (const Eigen::Vector3i& t : mesh.triangles) {
     inside = {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
     if (box.contains(inside[0]) && box.contains(inside[1]) && box.contains(inside[2])) continue;
-    // What is beyond one of the box's planes is outside; the rest goes on to the next.
+    // A part beyond one of the box's planes is outside; the rest goes on to the next.
     for (int plane = 0; plane < 6 && !inside.empty(); ++plane) {
       const int axis = plane / 2;
       const double sign = plane % 2 == 0 ? 1.0 : -1.0;

@@ -16,7 +16,7 @@ bool is_mesh_file(const std::filesystem::path& file);  // by extension, ignoring
 // glTF, 3MF and Collada say what one unit is and which axis is up; the other formats do not.
 bool says_frame(const std::filesystem::path& file);
 
-// How a file's numbers are to be taken.
+// The meaning of a file's numbers.
 struct MeshReading {
   std::optional<double> unit;  // length of one [m]; by default as the file says, or 1 m
   bool y_up = false;           // y points up in a file that does not say: it is turned to z

@@ -30,7 +30,7 @@ struct CapturedView {
 
 struct Capture {
   std::vector<CapturedView> views;
-  // Of a capture that is played back: views after time 0, in order of time, without their images.
+  // Later views of a capture that is played back, in order of time, without their images.
   std::vector<CapturedView> played;
   std::vector<std::string> notes;  // keys that mean nothing here, one line each
 

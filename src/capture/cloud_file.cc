@@ -213,7 +213,7 @@ double value_of(const char* bytes) {
 // The values of one field, row by row.
 class CloudColumn {
  public:
-  // Of the first of these names that the table has.
+  // Takes the first of these names that the table has.
   CloudColumn(const CloudTable& table, std::initializer_list<std::string_view> names)
       : table_(&table), text_(table.data == CloudTable::Data::text), stride_(table.row_size()) {
     for (const std::string_view name : names) {
@@ -357,7 +357,7 @@ void read_cameras(CloudTable* table, CloudFile* cloud) {
   });
 }
 
-// What stands compressed behind a PCD's header.
+// The data that stand compressed behind a PCD's header.
 std::string unpacked(CloudTable* table) {
   if (table->body.size() < 8) table->fail("truncated before its points");
   std::uint32_t sizes[2];

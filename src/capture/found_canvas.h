@@ -27,7 +27,7 @@ struct FoundCanvas {
   std::vector<std::string> notes;  // what was found, and removed of each view, one line each
 };
 
-// Where the drawing lies, in its frame P [m].
+// The place of the drawing, in its frame P [m].
 struct DrawnAbout {
   Pose X_WP;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Where the image shows what lies along (x, y, 1), by fixed-point iteration: distortion is small.
+// The pixel that looks along (x, y, 1), by fixed-point iteration: distortion is small.
 Eigen::Vector2d place_of(const Lens& lens, const Eigen::Vector3d& d_C) {
   constexpr int kIterations = 20;
   constexpr double kReached = 1e-3;  // [px]

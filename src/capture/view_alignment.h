@@ -26,7 +26,7 @@
 
 namespace impedraw {
 
-// What one view measured, as it is calibrated.
+// The measurements of one view, as it is calibrated.
 struct ViewSamples {
   std::string name;
   Eigen::Vector3d p_WC = Eigen::Vector3d::Zero();  // its camera [m]

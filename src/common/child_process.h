@@ -21,7 +21,7 @@
 
 namespace impedraw {
 
-// What read() returns, or its exception's text after a "!".
+// The result of read(), or its exception's text after a "!".
 inline std::string result_or_error(const std::string& name,
                                    const std::function<std::string()>& read) {
   try {

@@ -10,7 +10,7 @@
 
 namespace impedraw {
 
-// How many threads share work; 0: as many as the machine has. For tests.
+// Number of threads that share work; 0: as many as the machine has. For tests.
 inline std::atomic<int> parallel_threads = 0;
 
 // Calls work(i) once for each i of 0 … n − 1. Where calls throw, rethrows what that of the least i

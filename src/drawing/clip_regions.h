@@ -1,4 +1,4 @@
-// Where clip paths and masks show.
+// The regions that clip paths and masks show.
 #pragma once
 
 #include <map>
@@ -32,7 +32,7 @@ class ClipRegions {
   ClipRegions(const std::vector<Clip>& clips, const RegionMath& math)
       : clips_(clips), math_(math) {}
 
-  // Where the clip and its parents show.
+  // The region that the clip and its parents show.
   const Shown& of(int clip);
   // Drops the regions if they are many: what of() returned is no longer valid.
   void forget();

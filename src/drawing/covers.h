@@ -1,4 +1,4 @@
-// What hides parts of a drawing, found by place.
+// Covers that hide parts of a drawing, found by place.
 #pragma once
 
 #include <algorithm>

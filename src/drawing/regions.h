@@ -30,7 +30,7 @@ class RegionMath {
   Outlines united(const Outlines& a, const Outlines& b = {}) const;
   Outlines common(const Outlines& a, const Outlines& b) const;
   Outlines without(const Outlines& a, const Outlines& b) const;
-  // What a stroke of that width covers: its corners are mitred and its ends flat, or both round.
+  // The area of a stroke of that width: its corners are mitred and its ends flat, or both round.
   Outlines stroked(const std::vector<Eigen::Vector2d>& line, double width, bool closed,
                    bool round = false) const;
 

@@ -16,7 +16,7 @@ namespace impedraw {
 inline constexpr std::size_t kMostPoints = 5'000'000;
 inline constexpr double kFarthest = 1e6;
 
-// What of an SVG is drawn: what the eye sees, or every line as if nothing were hidden.
+// The part of an SVG that is drawn: what the eye sees, or all as if nothing were hidden.
 enum class Visible { as_painted, all };
 
 // One pen-down line on the page: x to the right, y down (as in SVG), millimetres.
@@ -28,7 +28,7 @@ struct Stroke {
   bool edge = false;         // the outline of an area that is filled, not stroked
   std::uint32_t colour = 0;  // 0xRRGGBB
   double width = 0;          // as painted [mm]; 0: not known
-  // How heavy the line is at each point; empty: `width` all along. Widths [mm], or forces [N].
+  // Weight of the line at each point; empty: `width` all along. Widths [mm], or forces [N].
   std::vector<double> press = {};
   bool by_force = false;  // press holds forces
 };
@@ -79,7 +79,7 @@ struct StrokeStatistics {
 };
 StrokeStatistics stroke_statistics(const std::vector<Stroke>& strokes);
 
-// Of all points [mm]; empty without strokes.
+// The box of all points [mm]; empty without strokes.
 Eigen::AlignedBox2d bounds_of(const std::vector<Stroke>& strokes);
 
 }  // namespace impedraw

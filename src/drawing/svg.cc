@@ -149,7 +149,7 @@ int add_dash(const ImpedrawSvgPath& path, const double* lengths,
   return static_cast<int>(dashes.size()) - 1;
 }
 
-// What is painted, and what is seen of it: strokes, areas and lengths [mm].
+// The painting, and the part that is seen: strokes, areas and lengths [mm].
 struct Painting {
   std::vector<Paint> paints;
   std::vector<Clip> clips;
@@ -283,7 +283,7 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   const bool as_painted = settings.visible == Visible::as_painted;
   Painting painting;
   painting.paints.resize(svg->path_count);
-  // Where something reaches beyond the page, the page clips what no other clip does.
+  // If something reaches beyond the page, the page clips what no other clip does.
   const bool fits = grown(artwork.page).contains(painted_box(subpaths));
   const auto clip_of = [&](std::uint32_t clip) {
     return clip > 0 || !fits ? static_cast<int>(clip) : -1;

@@ -86,7 +86,7 @@ class Eye {
     Paint& paint = paints_[index];
     AlignedBox2d box = boxes_[index];
     const Shown* clip = paint.clip < 0 ? nullptr : &clips_.of(paint.clip);
-    // What only touches the clip's edge, as much does the page's, is whole, too.
+    // A part that only touches the clip's edge, as much does the page's, is whole, too.
     const Vector2d edge = Vector2d::Constant(hair_).cwiseMin(0.5 * box.sizes());
     if (clip && !box.isEmpty() &&
         holds(clip->region, AlignedBox2d(box.min() + edge, box.max() - edge)))
@@ -182,7 +182,7 @@ class Eye {
       std::vector<LinePiece> pieces = pieces_of(line, indices, [&](const Spot& spot) {
         return (!clip || spot.touches(clip->index)) && !spot.within(hidden);
       });
-      // What only touches the clip, as a tangent does, is outside.
+      // A piece that only touches the clip, as a tangent does, is outside.
       std::erase_if(pieces, [&](const LinePiece& piece) {
         const auto within = [&](const Spot& spot) { return spot.within(clip->index); };
         return clip && piece.length > 0 && piece.length < touch_ &&
@@ -202,7 +202,7 @@ class Eye {
     });
     std::optional<Outlines> shown;
     if (!white.empty()) shown = seen;
-    // Where a clip or something white cuts the area, it gets a new edge.
+    // The area gets a new edge where a clip or something white cuts it.
     const RegionIndex core(whole), edged(inked);
     const auto is_new = [&](const Spot& spot) { return spot.within(core); };
     const auto is_seen = [&](const Spot& spot) { return !spot.touches(edged); };
@@ -252,7 +252,7 @@ class Eye {
     return all;
   }
 
-  // What strokes leave of the pieces. What merely crosses a stroke stays.
+  // The pieces that strokes leave. One that merely crosses a stroke stays.
   std::vector<LinePiece> uncovered(std::vector<LinePiece> pieces,
                                    const RegionIndex& strokes) const {
     if (strokes.empty()) return pieces;
@@ -330,7 +330,7 @@ class Eye {
     }
   }
 
-  // Where the line is hidden, the middle of what still shows beside it, as wide as it is painted.
+  // Beside a hidden line, draws the middle of what still shows, as wide as it is painted.
   void draw_rim(const Stroke& line, const Shown* clip, const RegionIndex& hidden,
                 const Outlines& cover, std::vector<Stroke>& kept) {
     if (line.dash >= 0 || !(line.width > 30 * hair_)) return;

@@ -44,7 +44,7 @@ T number_at(const std::uint8_t* bytes, std::size_t at) noexcept {
   return value;
 }
 
-// Where the state's fields begin: message_id, 126 floats of poses and loads, then the joints'.
+// Offsets of the state's fields: message_id, 126 floats of poses and loads, then the joints'.
 constexpr std::size_t kPositionAt = 596, kVelocityAt = 652, kExternalAt = 840, kMotionMode = 1288,
                       kControllerMode = kMotionMode + 1, kErrorsAt = kControllerMode + 1,
                       kReflexReasonAt = kErrorsAt + 41, kRobotMode = kReflexReasonAt + 41,

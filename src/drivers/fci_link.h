@@ -86,7 +86,7 @@ void encode_fci_torque(std::uint64_t message_id, const JointVector& torque, bool
 
 // The names of the flags that are set, as libfranka has them, joined by commas; empty: none.
 std::string fci_errors(const std::array<std::uint8_t, 41>& flags);
-// Whether a flag is set that says that something was touched: only a person may go on after it.
+// True if a flag says that something was touched: only a person may go on after it.
 bool fci_collision(const std::array<std::uint8_t, 41>& flags) noexcept;
 
 // Throws InputError unless the text is fci://A.B.C.D or fci://A.B.C.D:PORT.

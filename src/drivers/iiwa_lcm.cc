@@ -158,7 +158,7 @@ bool IiwaLcm::receive(double until) noexcept {
   bool fresh = false;
   for (int taken = 0; taken < kMostTaken; ++taken) {
     const double now = wall_seconds();
-    // What has already arrived is taken first, so that the newest status is answered.
+    // Messages that have arrived are taken first, so that the newest status is answered.
     if (!link_->wait(fresh ? 0.0 : std::max(0.0, until - now))) {
       if (!link_->connected()) session_->fail("the connection to the LCM broker was lost");
       break;

@@ -88,7 +88,7 @@ void LcmLink::subscribe(const std::string& channel, Handler handler) {
 }
 
 void LcmLink::receive() noexcept {
-  // What is unread moves to the front once the end is reached: a frame always fits.
+  // Unread bytes move to the front once the end is reached: a frame always fits.
   if (end_ == received_.size()) {
     std::copy(received_.begin() + static_cast<std::ptrdiff_t>(begin_), received_.end(),
               received_.begin());

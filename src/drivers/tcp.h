@@ -1,4 +1,4 @@
-// What the links of all drivers ask of TCP.
+// The parts of TCP that the links of all drivers use.
 #pragma once
 
 #include <netinet/in.h>

@@ -46,7 +46,7 @@ struct PythonCall {
   std::string python;                  // the interpreter
   std::vector<std::string> arguments;  // the script and its own
   std::vector<ChildFile> files{};
-  // Where matplotlib keeps its list of fonts. If it cannot be written, a temporary folder is used.
+  // matplotlib's folder for its list of fonts. If it cannot be written, a temporary one is used.
   std::filesystem::path matplotlib_folder{};
   std::function<void()> check{};  // as run_child()
 };

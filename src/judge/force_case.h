@@ -90,7 +90,7 @@ std::vector<ForceCase> force_cases();
 // is none.
 std::vector<ForceCase> force_cases(const std::vector<std::string>& names);
 
-// What a controller is told in a cycle, and what the world does.
+// The command of a cycle to the controller, and the motion of the world.
 struct ForceCommand {
   TipReference reference;  // with force and its rate while the pen should be down
   double asked = 0.0;      // the command [N]
@@ -116,7 +116,7 @@ class ForceProgramme {
   double end() const { return start_ + c_.duration; }  // [s]
   double leave() const { return end() + kLeave; }      // of the run [s]
   double descent() const { return descend_; }          // its start [s]
-  // Of the programme that is over, 0 to 1.
+  // Share of the programme that is over, 0 to 1.
   double share(double t) const noexcept;
 
   // touch: the first [s].

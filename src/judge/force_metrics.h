@@ -75,7 +75,7 @@ enum ForceMetric {
 };
 inline constexpr std::array<std::string_view, kForceMetrics> kForceMetricNames = {
     "settling_time", "overshoot", "steady_error", "rms", "sd", "bandwidth", "work_lost"};
-// Whether a greater value is the better one.
+// True if a greater value is the better one.
 inline constexpr bool greater_is_better(int metric) { return metric == kBandwidth; }
 
 struct ForceMetrics {

@@ -171,7 +171,7 @@ std::string escaped(const std::string& text) {
   return safe;
 }
 
-// What a plot shows: the time judged and a little before, and the forces up to `most`.
+// The range of a plot: the time judged and a little before, and the forces up to `most`.
 struct Frame {
   double from, to, most;
 

@@ -44,7 +44,7 @@ struct ForceResults {
   std::vector<std::string> left_out;  // cases that this arm's workpiece does not allow
 };
 
-// Where this program's controller is behind a peer by the mean over the runs, one line each.
+// A case in which this program's controller is behind a peer, by the mean over the runs.
 struct ForceBehind {
   std::string name;  // of the case
   int metric;

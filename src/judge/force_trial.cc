@@ -34,7 +34,7 @@ Pose belief_error(int seed) {
   return X;
 }
 
-// What the next cycle sends.
+// The torque that the next cycle sends.
 struct Torque {
   JointVector tau, gravity;
 };

@@ -146,7 +146,7 @@ class ForceBench {
   // has ended early.
   ForceRun run(const ForceCase& c, ForceController controller, int seed,
                const std::function<bool()>& go_on);
-  // Of a driven arm: why it can no longer be used; empty while it can.
+  // The reason why a driven arm can no longer be used; empty while it can.
   std::string fault() const;
 
  private:

@@ -39,7 +39,7 @@ void append_number(std::uint32_t number, std::string* out) {
 
 class Viewer;
 
-// What the server's thread has, and the run's thread may read.
+// The state of the server's thread that the run's thread may read.
 struct Shared {
   explicit Shared(const LiveSettings& given) : settings(given), ring(given.row_width, 8192) {}
 
@@ -49,7 +49,7 @@ struct Shared {
   std::atomic<bool> paused = false, stopped = false, emergency = false;
   std::atomic<std::size_t> viewer_count = 0;
 
-  // Of the server's thread.
+  // For the server's thread alone.
   std::vector<float> kept;  // rows, oldest first
   bool ending = false;
   std::shared_ptr<const std::string> report;

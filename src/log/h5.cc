@@ -66,7 +66,7 @@ std::uint64_t stated_length(int file) {
   if (pread(file, head.data(), head.size(), 0) != static_cast<ssize_t>(head.size()) ||
       std::string_view(reinterpret_cast<const char*>(head.data()), 8) != kSignature)
     return 0;
-  // Where versions 0, 1, 2 and 3 have the size of an address, and this one.
+  // The size of an address stands at another place in versions 0 and 1 than in 2 and 3.
   const unsigned version = head[8], offset_size = version < 2 ? head[13] : head[9];
   if (version > 3 || offset_size != 8) return 0;
   std::uint64_t length = 0;

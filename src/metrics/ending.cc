@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kIgnored = 1e-3;  // a shorter gap, or rest [m]
 
-// Of the strokes that have ink, as the plan measures them.
+// Length of the strokes that have ink, as the plan measures them.
 double inked_length(const RunData& run) {
   std::map<int, std::vector<std::pair<double, double>>> parts;
   bool open = false;

@@ -33,7 +33,7 @@ struct Ending {
   std::string cause{};  // one sentence without its full stop; empty: finished
   // File in the run's folder with the last seconds of a run that was halted.
   std::string incident{};
-  // What was given up while drawing, by reason: length in the drawing plane [m].
+  // Length that was given up while drawing, in the drawing plane, by reason [m].
   std::map<std::string, double> given_up{};
 };
 

@@ -9,7 +9,7 @@
 
 namespace impedraw {
 
-// Of a search tree of lines [m]; affects its speed, not its results.
+// Spacing in a search tree of lines [m]; affects its speed, not its results.
 inline constexpr double kSampleSpacing = 0.25e-3;
 
 struct InkMatch {

@@ -36,7 +36,7 @@ struct PageLinkMesh {
   std::vector<Eigen::Vector3i> triangles{};
 };
 
-// What the log does not hold. All of it may be missing.
+// Data of a page that the log does not hold. All of it may be missing.
 struct PageContext {
   std::vector<DrawnLink> arm{};  // empty: the pen alone is drawn
   std::vector<PageLinkMesh> meshes{};

@@ -1,4 +1,4 @@
-// What the pages of runs and of plans have in common: pieces of their JSON. Private to src/page.
+// Pieces of JSON that the pages of runs and of plans have in common. Private to src/page.
 #pragma once
 
 #include <filesystem>

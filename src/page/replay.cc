@@ -151,7 +151,7 @@ Json ink_json(PackedColumns& columns, const RunData& run, const InkMatch& drawn,
           {"pass", columns.add(pass, 1.0)}};
 }
 
-// What is known of every step.
+// The plots of every step.
 Json step_plots(PackedColumns& columns, const RunData& run, const InkMatch& drawn) {
   const std::vector<double> speed = step_speeds(run, drawn).speed;
   struct Row {
@@ -414,7 +414,7 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
   out["complete"] = out["rows_read"] == log.rows() && !log.cut_short();
   out["pictures"] =
       pictures_json(columns, page.pictures ? page.pictures() : std::vector<PagePicture>());
-  // What others wrote need not be UTF-8.
+  // Text that others wrote need not be UTF-8.
   return {out.dump(-1, ' ', false, Json::error_handler_t::replace), columns.bytes()};
 }
 

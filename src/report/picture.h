@@ -33,7 +33,7 @@ struct PictureSettings {
   std::optional<DrawnPens> pens{};  // of layers, in place of `pen`
   Eigen::Matrix3d R_WP = Eigen::Matrix3d::
       Identity();  // drawing frame: write_ink_top looks along −z_P; up is +x_P, right is −y_P
-  // What was not to be drawn, as lines on the canvas [m, W].
+  // The lines that were not to be drawn, on the canvas [m, W].
   std::vector<std::vector<Eigen::Vector3d>> left_out{};
   double target_width = 2.6;  // [mm]
   double highlight = 0.5;     // [mm]

@@ -31,7 +31,7 @@ struct PicturedRun {
   std::vector<std::pair<double, double>> strokes;  // [s]
 };
 
-// Of the picture [mm].
+// Sizes in the picture [mm].
 constexpr double kColumnWide = 140.0, kColumnLeft = 16.0, kPanelGap = 14.0, kPanelHigh = 44.0,
                  kLineTop = 20.0, kLetter = 3.2;
 constexpr Colour kLineInk{0.09, 0.24, 0.52}, kLineTarget{0.98, 0.72, 0.38},

@@ -75,7 +75,7 @@ void JointStateEstimator::set_gains(int joint, double bandwidth) noexcept {
   gain_a_[joint] = rest * rest * rest / (dt * dt);
 }
 
-// Of a reading one step after the last.
+// Measures with a reading one step after the last.
 void JointStateEstimator::measure_noise(const JointVector& q_read) noexcept {
   JointVector difference = q_read;
   for (JointVector& last : differences_) {

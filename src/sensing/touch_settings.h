@@ -18,7 +18,7 @@ struct TouchSettings {
   double settle_time = 0.1;        // from a touch to the use of the standing force [s]
 };
 
-// What the controller believes of pen and step.
+// The controller's belief about pen and step.
 struct TouchModel {
   double dt = 1e-3;                                           // [s]
   Eigen::Vector3d drawing_axis_W = Eigen::Vector3d::UnitZ();  // z, unit

@@ -1,4 +1,4 @@
-// What an arm that touches known points tells: the length of its pen, and where the page is.
+// The length of the pen and the pose of the page, by touching known points.
 #pragma once
 
 #include <vector>

@@ -27,7 +27,7 @@
 
 namespace impedraw {
 
-// Of any list: nobody has more cameras, marks, pushes, faults or joints, and each one costs memory.
+// Limit of any list: nobody has more cameras, marks, pushes or joints, and each costs memory.
 constexpr std::size_t most_entries = 64;
 
 // The source of each given setting: "push.force" → "scenarios/bowl-m.yaml:12" or

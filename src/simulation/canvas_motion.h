@@ -25,7 +25,7 @@ namespace impedraw {
 
 class CanvasMotion {
  public:
-  // Where the canvas is, and how it moves.
+  // Pose and motion of the canvas.
   struct State {
     Pose X_WK;
     Eigen::Vector3d v = Eigen::Vector3d::Zero();  // of the point that is at `centre` in K [m/s]

@@ -28,7 +28,7 @@
 
 namespace impedraw {
 
-// Of each joint, with what was published in place of what is not given.
+// Values of each joint; published ones stand in for those that are not given.
 struct JointSpringValues {
   Eigen::VectorXd stiffness, damping, rotor_inertia;  // K, D, B
   double loop_bandwidth = 0.0;                        // ω

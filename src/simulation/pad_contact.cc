@@ -63,7 +63,7 @@ const PadLoad& PadContact::press(const Canvas& canvas, const Pose& X_KE, const V
       shear_[i].setZero();
       continue;
     }
-    // Of an open sheet either side bears the pad.
+    // Either side of an open sheet bears the pad.
     const Eigen::Vector3d n = hit->n_W.dot(z) < 0.0 ? hit->n_W : Eigen::Vector3d(-hit->n_W);
     const Eigen::Vector3d arm = hit->p_W - X_KE.p, v_i = v + w.cross(arm);
     const double p = settings_.pressure(compression, -n.dot(v_i));

@@ -35,7 +35,7 @@ void PosedBody::cover(const Vector3d& origin_W, std::span<const Vector3d> direct
     for (const Shape& shape : shapes) {
       const Vector3d to = shape.p_W - origin_W;
       const double ball = shape.radius + kRoom, along = axis.dot(to);
-      // Where a ray comes within the ball, it is within (along + ball) slope of the axis.
+      // A ray that comes within the ball is within (along + ball) slope of the axis.
       const double reach = ball + std::max(0.0, along + ball) * slope;
       if (!wide && (along < -ball || (to - along * axis).squaredNorm() > reach * reach)) continue;
       for (std::size_t k = first; k < end; ++k) {

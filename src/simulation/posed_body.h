@@ -14,7 +14,7 @@ struct mjData_;
 namespace impedraw {
 
 struct PosedBody {
-  // Of MuJoCo's kinds; placed in W.
+  // A shape of one of MuJoCo's kinds, placed in W.
   struct Shape {
     int kind = 0, geom = 0;
     Eigen::Vector3d size = Eigen::Vector3d::Zero();  // [m]
@@ -23,7 +23,7 @@ struct PosedBody {
     double radius = 0.0;  // of a ball about all of it [m]
   };
   std::vector<Shape> shapes;
-  // Of the world that posed it, which must outlive it, for shapes that are meshes.
+  // The model that posed it, which must outlive it, for shapes that are meshes.
   const mjModel_* model = nullptr;
   std::shared_ptr<mjData_> placed;  // null without meshes
 

@@ -56,7 +56,7 @@ std::span<const TipTouch> TipTouches::update(const Canvas& canvas, const Vector3
   std::array<TipTouch, kMost> touches;
   std::array<Side, kMost> sides;
   int count = 0;
-  // Where c was through and no place goes on, the nearest one does.
+  // The nearest place goes on if c was through and none does.
   for (const bool any : {false, true}) {
     for (int i = 0; i < found && count < kMost && (count == 0 || !any); ++i) {
       const SurfacePoint& place = places[i];

@@ -74,14 +74,14 @@ class World {
   // The canvas moves from now on as `motion` says at the world's time. Friction acts on the
   // velocity of the tip relative to the canvas, and so does the contact's damper.
   void move_canvas(const CanvasMotion& motion) { motion_ = motion; }
-  // Of tip and canvas together, from the next step on: a canvas whose stiffness changes.
+  // Sets tip and canvas together, from the next step on: a canvas whose stiffness changes.
   void set_tip(const TipMaterial& tip) noexcept { settings_.tip = tip; }
   // The true tip's offset along its z from its place in the URDF, as ModelErrors::pen_longer [m].
   void set_pen_longer(double longer) noexcept;
-  // How long it has moved at the world's time 0: where a run goes on [s].
+  // Sets the time for which it has moved at the world's time 0, where a run goes on [s].
   void canvas_moved_for(double time) { moved_for_ = time; }
   const CanvasMotion& canvas_motion() const { return motion_; }
-  // Where it is at the current state, or so much later [s].
+  // Its pose and motion at the current state, or so much later [s].
   CanvasMotion::State canvas_state(double later = 0.0) const {
     return motion_.at(moved_for_ + state_.time + later);
   }
@@ -98,7 +98,7 @@ class World {
     return advance(tau, F_push_W);
   }
 
-  // What the joints' sensors see: the links, or with springs maybe the rotors [rad], [rad/s].
+  // The joints' sensors see the links, or with springs maybe the rotors [rad], [rad/s].
   const JointVector& sensed_q() const { return read_rotors() ? springs_->theta() : state_.q; }
   const JointVector& sensed_v() const { return read_rotors() ? springs_->theta_rate() : state_.v; }
   // Null for rigid joints.

@@ -27,7 +27,7 @@ struct TipMaterial {
   double wear = 0.0;              // k, length per work of a tangential force f_n [m/(N m)]
 };
 
-// What touches with a face instead of the ball's point (pad_contact.h).
+// The shape of a face that touches instead of the ball's point (pad_contact.h).
 enum class PadFace {
   disc,  // a pad
   edge,  // a line along x_E: a blade
@@ -159,7 +159,7 @@ enum class SpringSide { as_published, motor, link };
 
 struct JointSpringSettings {
   SpringsOf arm = SpringsOf::none;
-  // Of all joints or of each; empty: as published.
+  // Values of all joints or of each; empty: as published.
   std::vector<double> stiffness;      // K; with neither this nor `arm`, joints are rigid [Nm/rad]
   std::vector<double> damping;        // D; empty: K · 1 ms [Nm s/rad]
   std::vector<double> rotor_inertia;  // B [kg m²]

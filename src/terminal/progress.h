@@ -19,7 +19,7 @@ struct Progress {
   double drawn = 0, length = 0;
   bool again = false;     // redrawing the parts without ink
   double first_time = 0;  // simulated by an earlier run that this one continues [s]
-  // What the pen waits for, and for how long it has waited [s]; null: nothing.
+  // Cause of a wait, and the time for which the pen has waited [s]; null: none.
   const char* waits_for = nullptr;
   double waited = 0;
 };

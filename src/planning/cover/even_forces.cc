@@ -16,7 +16,7 @@ struct Segment {
   std::vector<std::pair<std::uint32_t, double>> places;
 };
 
-// Of all lines, one more for each line's last point.
+// The segments of all lines, and one more for each line's last point.
 std::vector<Segment> segments_of(const SurfaceGrid& g, const PlaneLines& lines, double radius) {
   std::vector<Segment> segments;
   for (const auto& line : lines)

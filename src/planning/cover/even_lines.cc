@@ -61,7 +61,7 @@ Vector2d rim_pull(const SurfaceGrid& g, const Unevenness& u, const Vector2d& p, 
 
 bool is_closed(const Line& line) { return (line.front() - line.back()).norm() < 1e-9; }
 
-// Of each knot, per way at it, uphill on E.
+// The motion of each knot, per way at it, uphill on E.
 Line uphill(const SurfaceGrid& g, const Unevenness& u, const Line& line, double radius) {
   const std::size_t n = line.size();
   const bool closed = is_closed(line);

@@ -14,7 +14,7 @@ namespace {
 constexpr std::array<std::array<int, 2>, 8> kRing = {
     {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
-// Where nothing is known, the height solves Laplace's equation between what is.
+// An unknown height solves Laplace's equation between the known ones.
 void continue_heights(SurfaceGrid* g) {
   constexpr int kSweeps = 300;
   std::vector<char> has = g->known;

@@ -7,7 +7,7 @@
 
 namespace impedraw {
 
-// How fast the pen's axis may turn along a stroke, per length of surface at the drawing speed.
+// Limits on the turning of the pen's axis, per length of surface at the drawing speed.
 struct TiltLimits {
   double allowance = 0.17;  // largest angle between axis and smoothed normal [rad]
   double turn = 30.0;       // |dn/ds| [rad/m]

@@ -23,7 +23,7 @@ struct FitSettings {
   // standard deviation [m]; 0: none. The desired frame's angular acceleration is fed forward from
   // them, and two derivatives amplify the noise of a cloud.
   double normal_smoothing = 5e-3;
-  // Where the smoothed normals exceed these limits, they are smoothed further, up to the allowance.
+  // Normals beyond these limits are smoothed further, up to the allowance.
   TiltLimits tilt;
 };
 

@@ -47,7 +47,7 @@ inline Eigen::Vector3d turned_about(const Eigen::Vector3d& n, const Eigen::Vecto
   return std::cos(angle) * x + std::sin(angle) * n.cross(x);
 }
 
-// What a spline turns the tool by, about its normal, and the extremes on the way [rad].
+// Turn of the tool by a spline, about its normal, and the extremes on the way [rad].
 struct Turning {
   double total = 0.0, least = 0.0, most = 0.0;
 };

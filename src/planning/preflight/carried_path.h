@@ -35,7 +35,7 @@ struct CarriedPath {
   std::function<TipReference(const TipReference& in_K, double time)> in_world;
 };
 
-// What keeps a stroke from being drawn, on the way to it, along it or on the way off.
+// The fault that keeps a stroke from being drawn, on the way to it, along it or on the way off.
 struct CarriedFault {
   std::size_t stroke = 0;  // in the path's order
   double time = 0.0;       // when it begins [s]

@@ -44,7 +44,7 @@ class Clearance {
   Clearance(const ArmModel& arm, const Canvas* canvas, std::optional<double> table_z,
             double desired, const JointVector& q);
 
-  // Where the canvas is from now on; at first its frame K is W.
+  // Moves the canvas there; at first its frame K is W.
   void move_canvas(const Pose& X_WK) {
     X_KW_ = X_WK.inverse();
     canvas_moves_ = true;

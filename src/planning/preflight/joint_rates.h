@@ -1,4 +1,4 @@
-// How fast the arm's joints turn along a stroke, as a limit on the speed of the plan.
+// The rates of the arm's joints along a stroke, as a limit on the speed of the plan.
 //
 // Along a spline with coordinate u the postures q(u) follow each other by the motion of least
 // kinetic energy, as under the controller. A joint's speed is |dq_j/du| u̇, so that
@@ -20,7 +20,7 @@
 
 namespace impedraw {
 
-// What the arm carries while it draws.
+// The load of the arm while it draws.
 struct DrawingLoad {
   double normal_force = 0.0;  // F [N]
   double friction = 0.0;      // μ

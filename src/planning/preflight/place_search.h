@@ -61,7 +61,7 @@ class PlaceSearch {
   // A check failed at these points of P: drawings are to keep off them.
   void avoid(const std::vector<Eigen::Vector2d>& points);
 
-  // What keeps a point of P from being drawn.
+  // The trouble that keeps a point of P from being drawn.
   CellTrouble trouble(const Eigen::Vector2d& p) const;
 
   // The cells, row by row from the box's lowest corner: how many of them along x and y, their side

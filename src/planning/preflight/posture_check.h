@@ -41,7 +41,7 @@ class PostureCheck {
   PostureCheck(const ArmModel& arm, const Canvas* obstacle, const JointVector& start_q,
                const PreflightSettings& settings);
 
-  // Of an arm with the posture q: as it stands, if its pen is there, else as enter() finds it.
+  // The posture of an arm at q: as it stands, if its pen is there, else as enter() finds it.
   Posture begin(const PenPlacement& pen, const JointVector& q);
 
   // Finds a settled posture at the point, seeded with `last`, then the rest or the start posture.
@@ -51,7 +51,7 @@ class PostureCheck {
   // Continues from the last posture after the tip has moved by `moved` [m].
   Posture follow(const PenPlacement& pen, const Posture& last, double moved);
 
-  // Where the canvas is from now on; at first its frame K is W.
+  // Moves the canvas there; at first its frame K is W.
   void move_canvas(const Pose& X_WK) { clearance_.move_canvas(X_WK); }
 
   // Enabled checks. Disable torque in the air, and pen with the tip pressed below the surface.

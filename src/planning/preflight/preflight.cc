@@ -52,7 +52,7 @@ class ArmWalk {
       Node right = node(k < pieces ? span.from + (span.to - span.from) * k / pieces : span.to);
       right.posture = check_.follow(right.pen, left.posture, right.along - left.along);
       lost = right.posture.problem ? lost + 1 : 0;
-      // Where this posture fails, another may succeed.
+      // Another posture may succeed where this one fails.
       if (lost % kTryAnew == 1) {
         Posture anew = check_.enter(right.pen, last_);
         if (!anew.problem) right.posture = std::move(anew);
