@@ -16,18 +16,6 @@ namespace {
 
 constexpr double kFirstSpeed = 0.5, kFirstAcceleration = 2.0;  // standard deviation [1/s], [1/s²]
 
-constexpr int kNodes = AxisPolynomial::kTerms;
-using Nodes = Eigen::Matrix<double, kNodes, kNodes>;
-
-// From values at the nodes to the coefficients.
-Nodes coefficients() noexcept {
-  Nodes powers;
-  for (int node = 0; node < kNodes; ++node)
-    for (int power = 0; power < kNodes; ++power)
-      powers(node, power) = std::pow(AxisPolynomial::node(node), power);
-  return powers.inverse();
-}
-
 }  // namespace
 
 AxisFilter AxisFilter::started(double x, double variance, int order) noexcept {
@@ -119,22 +107,10 @@ AxisState AxisPolynomial::at(double time) const noexcept {
   return s;
 }
 
-double AxisPolynomial::node(int k) noexcept {
-  return 0.5 - 0.5 * std::cos(std::numbers::pi * (k + 0.5) / kTerms);
-}
-
-AxisPolynomial AxisPolynomial::through(double origin, double span,
-                                       const std::array<double, kTerms>& values) noexcept {
-  static const Nodes inverse = coefficients();
-  AxisPolynomial out{origin, span, {}};
-  Eigen::Map<Eigen::Vector<double, kTerms>>(out.c.data()).noalias() =
-      inverse * Eigen::Map<const Eigen::Vector<double, kTerms>>(values.data());
-  return out;
-}
-
 bool BandLimited::set(double cutoff, std::span<const double> times,
                       std::span<const double> weights) noexcept {
   constexpr double kLevel = 1e2, kSlope = 1e2;  // prior variances of the trend, of x² and (x/s)²
+  constexpr int n_nodes = AxisPolynomial::kTerms;
   const int n = static_cast<int>(times.size());
   count_ = 0;
   if (n < 4 || n > kMostSamples) return false;
@@ -145,23 +121,26 @@ bool BandLimited::set(double cutoff, std::span<const double> times,
            kSlope * (a - origin_) * (b - origin_);
   };
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostSamples, kMostSamples> K(n, n);
-  Eigen::Matrix<double, Eigen::Dynamic, kNodes, 0, kMostSamples, kNodes> k(n, kNodes);
+  Eigen::Matrix<double, Eigen::Dynamic, n_nodes, 0, kMostSamples, n_nodes> k(n, n_nodes);
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j <= i; ++j) K(i, j) = covariance(times[i], times[j]);
     K(i, i) += 1.0 / (kPower * weights[i]);
   }
-  for (int node = 0; node < kNodes; ++node) {
-    const double time = origin_ + kSpan * AxisPolynomial::node(node);
-    for (int i = 0; i < n; ++i) k(i, node) = covariance(time, times[i]);
+  // Chebyshev's nodes, then the coefficients through them.
+  Eigen::Matrix<double, n_nodes, n_nodes> powers;
+  for (int node = 0; node < n_nodes; ++node) {
+    const double u = 0.5 - 0.5 * std::cos(std::numbers::pi * (node + 0.5) / n_nodes);
+    for (int i = 0; i < n; ++i) k(i, node) = covariance(origin_ + kSpan * u, times[i]);
+    for (int power = 0; power < n_nodes; ++power) powers(node, power) = std::pow(u, power);
   }
   const Eigen::LLT<decltype(K), Eigen::Lower> factor(K);
   if (factor.info() != Eigen::Success) return false;
   factor.solveInPlace(k);
-  const Nodes inverse = coefficients();
-  for (int term = 0; term < kNodes; ++term)
+  const Eigen::Matrix<double, n_nodes, n_nodes> inverse = powers.inverse();
+  for (int term = 0; term < n_nodes; ++term)
     for (int i = 0; i < n; ++i) {
       gain_[term][i] = 0.0;
-      for (int node = 0; node < kNodes; ++node) gain_[term][i] += inverse(term, node) * k(i, node);
+      for (int node = 0; node < n_nodes; ++node) gain_[term][i] += inverse(term, node) * k(i, node);
     }
   count_ = n;
   return true;

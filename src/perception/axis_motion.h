@@ -7,7 +7,6 @@
 //                      linear predictor of least variance for a flat spectrum below f_c
 //   swinging           x(t) = x0 + v0 t + Σ a_k cos ω_k t + b_k sin ω_k t, up to two sinusoids, by
 //                      least squares over the last seconds; ω by search
-//   repeated           what followed when it moved like this before (repeated_motion.h)
 //
 // Sources: C. E. Rasmussen, C. K. I. Williams, "Gaussian Processes for Machine Learning", 2006,
 // equation (2.25), for the band-limited model; Y. Bar-Shalom, "Estimation with Applications to
@@ -61,10 +60,6 @@ struct AxisPolynomial {
   std::array<double, kTerms> c{};   // of ((t − origin) / span)^k
 
   AxisState at(double time) const noexcept;
-  // Through values at origin + span node(k): Chebyshev's nodes, 0 < node < 1.
-  static double node(int k) noexcept;
-  static AxisPolynomial through(double origin, double span,
-                                const std::array<double, kTerms>& values) noexcept;
 };
 
 // The band-limited model, for several coordinates that were measured at the same times. Allocates

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace impedraw {
 
 namespace {
 
-constexpr double kBetweenPieces = 1.0 / 60.0;  // half of a usual frame's time [s]
-constexpr std::size_t kFewestOfAll = 60, kFewest = 4, kMost = 16;  // samples; of a pattern
+constexpr double kBetweenPieces = 1.0 / 60.0;          // half of a usual frame's time [s]
+constexpr std::size_t kFewestOfAll = 60, kFewest = 4;  // samples; of a pattern
 constexpr double kMoves = 10.0;     // range of the samples in σ from which on there is a motion
-constexpr double kUnlikely = 60.0;  // r² beyond the least, in σ², that counts no more
+constexpr double kUnlikely = 1e-9;  // share of the weights so far that counts no more
 
 double at(std::span<const AxisSample> s, double time) noexcept {
   const auto next = std::lower_bound(s.begin() + 1, s.end() - 1, time,
@@ -21,67 +20,48 @@ double at(std::span<const AxisSample> s, double time) noexcept {
   return a.x + (time - a.time) / (b.time - a.time) * (b.x - a.x);
 }
 
-// Σ w s (x'(t') − x̄') at the prediction's nodes, and Σ w, against the likeliest piece so far.
-struct Continuations {
-  static constexpr int kNodes = AxisPolynomial::kTerms;
-  double least = std::numeric_limits<double>::infinity(), weight = 0.0;
-  std::array<double, kNodes> sum{};
-
-  void add(double r, double sign, double scale, const std::array<double, kNodes>& after) noexcept {
-    if (r < least) {
-      const double fade = std::exp((r - least) / scale);
-      weight *= fade;
-      for (double& x : sum) x *= fade;
-      least = r;
-    }
-    const double w = std::exp((least - r) / scale);
-    weight += w;
-    for (int k = 0; k < kNodes; ++k) sum[k] += w * sign * after[k];
-  }
-};
-
 }  // namespace
 
 std::optional<AxisPolynomial> RepeatedMotion::predict(std::span<const AxisSample> all) noexcept {
   if (all.size() < kFewestOfAll) return std::nullopt;
   const double now = all.back().time;
   std::size_t n = 1;
-  while (n < kMost && all[all.size() - 1 - n].time >= now - kPattern) ++n;
+  while (n < all.size() && all[all.size() - 1 - n].time >= now - kPattern) ++n;
   if (n < kFewest) return std::nullopt;
   const std::span<const AxisSample> pattern = all.last(n);
-  const double share = 1.0 / static_cast<double>(n);
-  double mean = 0.0, variance = 0.0;
+  double mean = 0.0, variance = 0.0, spread = 0.0;  // spread: Σ (x − x̄)²
   for (const AxisSample& s : pattern) {
-    mean += share * s.x;
-    variance += share * s.variance;
+    mean += s.x / static_cast<double>(n);
+    variance += s.variance / static_cast<double>(n);
   }
+  for (const AxisSample& s : pattern) spread += (s.x - mean) * (s.x - mean);
   const auto [low, high] = std::minmax_element(
       all.begin(), all.end(), [](const AxisSample& a, const AxisSample& b) { return a.x < b.x; });
   if (high->x - low->x < kMoves * std::sqrt(variance)) return std::nullopt;
 
-  Continuations found;
-  std::array<double, kMost> then;
+  double weight = 0.0;
+  std::array<double, 3> y{};  // Σ w s (x'(t') − x̄') now, after half of the span and after all
   for (double t = now - kSpan; t > all.front().time + kPattern; t -= kBetweenPieces) {
-    double mean_then = 0.0, square = 0.0, cross = 0.0;
-    for (std::size_t j = 0; j < n; ++j) {
-      then[j] = at(all, t + pattern[j].time - now);
-      mean_then += share * then[j];
+    double off = 0.0, square = spread, cross = 0.0;  // off: of the piece's mean from x̄
+    for (const AxisSample& s : pattern) {
+      const double b = at(all, t + s.time - now) - mean;
+      off += b / static_cast<double>(n);
+      square += b * b;
+      cross += (s.x - mean) * b;
     }
-    for (std::size_t j = 0; j < n; ++j) {
-      const double x = pattern[j].x - mean, y = then[j] - mean_then;
-      square += x * x + y * y;
-      cross += x * y;
+    square -= static_cast<double>(n) * off * off;
+    for (const double sign : {1.0, -1.0}) {
+      const double w = std::exp(-(square - 2.0 * sign * cross) / (4.0 * variance));
+      if (!(w > kUnlikely * weight)) continue;
+      weight += w;
+      for (std::size_t k = 0; k < y.size(); ++k)
+        y[k] += w * sign * (at(all, t + 0.5 * kSpan * static_cast<double>(k)) - mean - off);
     }
-    if (square - 2.0 * std::abs(cross) > found.least + kUnlikely * variance) continue;
-    std::array<double, Continuations::kNodes> after;
-    for (int k = 0; k < Continuations::kNodes; ++k)
-      after[k] = at(all, t + kSpan * AxisPolynomial::node(k)) - mean_then;
-    for (const double sign : {1.0, -1.0})
-      found.add(square - 2.0 * sign * cross, sign, 4.0 * variance, after);
   }
-  if (!(found.weight > 0.0)) return std::nullopt;
-  for (double& x : found.sum) x = mean + x / found.weight;
-  return AxisPolynomial::through(now, kSpan, found.sum);
+  if (!(weight > 0.0)) return std::nullopt;
+  for (double& x : y) x = mean + x / weight;
+  return AxisPolynomial{
+      now, kSpan, {y[0], -3.0 * y[0] + 4.0 * y[1] - y[2], 2.0 * y[0] - 4.0 * y[1] + 2.0 * y[2]}};
 }
 
 }  // namespace impedraw

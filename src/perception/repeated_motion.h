@@ -23,10 +23,10 @@ namespace impedraw {
 
 struct RepeatedMotion {
   static constexpr double kPattern = 0.25;  // [s]
-  static constexpr double kSpan = 0.15;     // over which it predicts [s]
+  static constexpr double kSpan = 0.12;     // over which it predicts [s]
 
-  // samples: in order of time. Nothing where they are too few, or tell of no motion. Allocates
-  // nothing.
+  // samples: in order of time. Nothing where they are too few, tell of no motion, or of none like
+  // that of late. Allocates nothing.
   static std::optional<AxisPolynomial> predict(std::span<const AxisSample> samples) noexcept;
 };
 

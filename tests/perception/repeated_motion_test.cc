@@ -84,17 +84,5 @@ TEST(RepeatedMotion, IsNoneOfWhatStandsOrWasSeenForTooShort) {
   EXPECT_FALSE(RepeatedMotion::predict(samples));
 }
 
-TEST(AxisPolynomial, GoesThroughItsNodes) {
-  constexpr double kOrigin = 3.0, kSpan = 0.2;
-  std::array<double, AxisPolynomial::kTerms> values;
-  for (int k = 0; k < AxisPolynomial::kTerms; ++k) values[k] = std::exp(AxisPolynomial::node(k));
-  const AxisPolynomial p = AxisPolynomial::through(kOrigin, kSpan, values);
-  for (const double u : {0.0, 0.3, 0.77, 1.0}) {
-    const AxisState s = p.at(kOrigin + u * kSpan);
-    EXPECT_NEAR(s.x, std::exp(u), 1e-4);
-    EXPECT_NEAR(s.v * kSpan, std::exp(u), 3e-3);
-  }
-}
-
 }  // namespace
 }  // namespace impedraw
