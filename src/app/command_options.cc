@@ -85,7 +85,8 @@ CLI::App* add_cover(CLI::App& app, Call& call) {
   command->add_option("scenario", call.options.scenario,
                       "YAML file (default: a dome, with realistic sensing: cover-dome.yaml)");
   command->add_option("--region", call.region,
-                      "SVG whose filled areas are covered (default: all that is reached)");
+                      "SVG whose filled areas are covered, or mesh.ply#rrggbb: its faces of that "
+                      "colour (default: all that is reached)");
   command->add_option("--out", call.options.out,
                       "folder for the run, created if missing (default: runs/NAME)");
   add_set(command, &call.options,

@@ -1,6 +1,9 @@
 #include "impedraw/canvas/mesh_file.h"
 
+#include <algorithm>
+#include <charconv>
 #include <iterator>
+#include <map>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -57,12 +60,57 @@ std::string_view plain_text(std::string_view text, std::string* bytes) {
   return *bytes;
 }
 
+struct NamedMesh {
+  std::filesystem::path file;
+  std::optional<Eigen::Vector3d> colour;  // of the faces that are meant [0 … 1]
+};
+
+NamedMesh named_mesh(const std::filesystem::path& name) {
+  constexpr std::size_t kDigits = 6;
+  const std::string text = name.string();
+  const std::size_t hash = text.find_last_of('#');
+  if (hash == text.npos || text.size() != hash + 1 + kDigits) return {name, std::nullopt};
+  unsigned rgb = 0;
+  const char* const end = text.data() + text.size();
+  if (std::from_chars(end - kDigits, end, rgb, 16).ptr != end) return {name, std::nullopt};
+  return {text.substr(0, hash), Eigen::Vector3d(rgb >> 16, rgb >> 8 & 255U, rgb & 255U) / 255.0};
+}
+
+// Keeps the triangles that have two corners of the colour, or three.
+void keep_painted(const PolygonMesh& polygons, const Eigen::Vector3d& colour,
+                  const std::string& name, TriangleMesh* mesh) {
+  constexpr double kAlike = 0.1;  // of each channel
+  if (polygons.colours.size() != mesh->vertices.size())
+    throw InputError(name +
+                     ": its vertices have no colours; valid is a .ply with red, green and "
+                     "blue, or an .obj with six numbers for each vertex");
+  double brightest = 1.0;
+  for (const Eigen::Vector3d& c : polygons.colours) brightest = std::max(brightest, c.maxCoeff());
+  const double scale = brightest > 1.0 ? 255.0 : 1.0;  // some write an .obj with bytes
+  const auto of = [&](int v) -> Eigen::Vector3d {
+    return polygons.colours[static_cast<std::size_t>(v)] / scale;
+  };
+  std::erase_if(mesh->triangles, [&](const Eigen::Vector3i& t) {
+    return std::ranges::count_if(
+               t, [&](int v) { return (of(v) - colour).cwiseAbs().maxCoeff() <= kAlike; }) < 2;
+  });
+  if (!mesh->triangles.empty()) return;
+  std::map<std::string, std::size_t> others;  // of the faces' corners
+  for (const int v : polygons.corners) {
+    const Eigen::Vector3i c = (255.0 * of(v)).array().round().cast<int>();
+    ++others[fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2])];
+  }
+  const auto most = std::ranges::max_element(others, {}, [](const auto& o) { return o.second; });
+  throw InputError(fmt::format("{}: no face has that colour; of {} colours {} is the commonest",
+                               name, others.size(), most->first));
+}
+
 using Parser = PolygonMesh (*)(std::string_view, const std::string&);
 Parser parser_of(const std::filesystem::path& file) {
   static constexpr std::pair<const char*, Parser> kParsers[] = {
       {".obj", parse_obj},   {".stl", parse_stl},    {".ply", parse_ply},   {".off", parse_off},
       {".glb", parse_scene}, {".gltf", parse_scene}, {".3mf", parse_scene}, {".dae", parse_scene}};
-  const std::string ending = lower_extension(file);
+  const std::string ending = lower_extension(named_mesh(file).file);
   for (const auto& [known, parser] : kParsers)
     if (ending == known) return parser;
   return nullptr;
@@ -131,13 +179,15 @@ bool says_frame(const std::filesystem::path& file) { return parser_of(file) == p
 TriangleMesh parse_mesh(std::string_view text, const std::string& name, const MeshReading& reading,
                         std::vector<std::string>* warnings) {
   const Parser parse = require_parser(name);
+  const NamedMesh named = named_mesh(name);
   const auto fail = [&](const char* what) { throw InputError(name + ": " + what); };
   if (text.empty()) fail("the file is empty, must hold triangles");
   if (text.starts_with("PK\3\4") && lower_extension(name) != ".3mf")
     fail("is a zip archive, must be unpacked (or named .3mf, if it is one)");
   if (text.starts_with("\x1f\x8b")) fail("is packed by gzip, must be unpacked");
   std::string bytes;
-  PolygonMesh polygons = parse(says_frame(name) ? text : plain_text(text, &bytes), name);
+  PolygonMesh polygons =
+      parse(says_frame(name) ? text : plain_text(text, &bytes), named.file.string());
   if (polygons.faces() == 0) {
     throw InputError(fmt::format(
         "{}: holds no triangle{}", name,
@@ -163,6 +213,7 @@ TriangleMesh parse_mesh(std::string_view text, const std::string& name, const Me
     const Eigen::Vector3d origin(box.center().x(), box.center().y(), box.min().z());
     for (Eigen::Vector3d& p : mesh.vertices) p -= origin;
   }
+  if (named.colour) keep_painted(polygons, *named.colour, name, &mesh);
   if (warnings)
     std::move(polygons.warnings.begin(), polygons.warnings.end(), std::back_inserter(*warnings));
   return mesh;
@@ -171,7 +222,7 @@ TriangleMesh parse_mesh(std::string_view text, const std::string& name, const Me
 TriangleMesh read_mesh(const std::filesystem::path& file, const MeshReading& reading,
                        std::vector<std::string>* warnings) {
   require_parser(file);  // before a large file of another kind is read
-  return parse_mesh(read_all(file), file.string(), reading, warnings);
+  return parse_mesh(read_all(named_mesh(file).file), file.string(), reading, warnings);
 }
 
 std::vector<Vector3i> triangulate(const PolygonMesh& mesh, const std::string& name) {

@@ -29,11 +29,12 @@ struct MeshReading {
 
 // Reads a file of one of kMeshFiles, selected by its extension, with z up. Text may be UTF-8 or
 // UTF-16. Faces with more than three corners are triangulated; groups, solids and the meshes of a
-// scene are concatenated. Lines, points, colours, normals and materials are ignored, and no other
-// file is opened but a glTF's buffers. `warnings`, if given, gets a line for each oddity. Throws
-// InputError naming the file and the fault: an unreadable or truncated file, a vertex without three
-// finite numbers, a face with fewer than three corners, an index out of range, a point cloud, or no
-// triangle at all.
+// scene are concatenated. Lines, points, normals and materials are ignored, and no other file is
+// opened but a glTF's buffers. A name may end in a colour, as part.ply#c01020: of a .ply or .obj
+// whose vertices have colours, the faces of that colour alone are read. `warnings`, if given, gets
+// a line for each oddity. Throws InputError naming the file and the fault: an unreadable or
+// truncated file, a vertex without three finite numbers, a face with fewer than three corners, an
+// index out of range, a point cloud, or no triangle at all.
 TriangleMesh read_mesh(const std::filesystem::path& file, const MeshReading& reading,
                        std::vector<std::string>* warnings = nullptr);
 // `text` is the content of a file named `name`.

@@ -154,6 +154,11 @@ PolygonMesh parse_obj(std::string_view text, const std::string& name) {
     if (key == "v") {
       const std::string where = fmt::format("{}:{}", name, first);
       mesh.vertices.push_back(three_numbers(line, where, mesh.vertices.size()));
+      for (int i = 0; i < 3; ++i) next_word(&rest);
+      Eigen::Vector3d colour;
+      if (std::all_of(colour.begin(), colour.end(),
+                      [&](double& c) { return finite_number(next_word(&rest), &c); }))
+        mesh.colours.push_back(colour);
     } else if (key == "f") {
       const std::size_t before = mesh.corners.size();
       const long count = static_cast<long>(mesh.vertices.size());

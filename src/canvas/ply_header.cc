@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -118,20 +119,19 @@ struct Body {
   }
 
   void take(const PlyElement& element) {
-    std::array<std::size_t, 3> xyz;  // among the properties of a vertex
-    xyz.fill(element.properties.size());
+    constexpr std::array<const char*, 6> kNames = {"x", "y", "z", "red", "green", "blue"};
+    std::array<std::size_t, 6> known;  // among the properties of a vertex
+    known.fill(element.properties.size());
     bool has_corners = false;
     for (std::size_t k = 0; k < element.properties.size(); ++k) {
       const PlyProperty& property = element.properties[k];
       has_corners = has_corners || names_corners(element, property);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (property.count_size == 0 && property.name == std::string_view("xyz").substr(axis, 1))
-          xyz[axis] = k;
-      }
+      for (std::size_t i = 0; i < known.size(); ++i)
+        if (property.count_size == 0 && property.name == kNames[i]) known[i] = k;
     }
     const bool vertex = element.name == "vertex", strip = element.name == "tristrips";
     for (std::size_t i = 0; i < element.count; ++i) {
-      Eigen::Vector3d p = Eigen::Vector3d::Zero();
+      Eigen::Vector<double, 6> of_vertex = Eigen::Vector<double, 6>::Zero();
       for (std::size_t k = 0; k < element.properties.size(); ++k) {
         const PlyProperty& property = element.properties[k];
         const bool corners = names_corners(element, property);
@@ -146,16 +146,20 @@ struct Body {
           const double value = number(element, i, property.size, property.whole, property.has_sign);
           if (corners) mesh.corners.push_back(as_index(value));
           if (!vertex) continue;
-          for (std::size_t axis = 0; axis < 3; ++axis) {
-            if (xyz[axis] == k) p[static_cast<Eigen::Index>(axis)] = value;
-          }
+          for (std::size_t m = 0; m < known.size(); ++m)
+            if (known[m] == k)
+              of_vertex[static_cast<Eigen::Index>(m)] =
+                  m >= 3 && property.whole ? value / (std::pow(256.0, property.size) - 1.0) : value;
         }
         if (corners && strip) cut_strip(begin);
         if (corners && !strip) mesh.ends.push_back(mesh.corners.size());
       }
-      if (vertex) mesh.vertices.push_back(p);
+      if (!vertex) continue;
+      mesh.vertices.push_back(of_vertex.head<3>());
+      if (std::ranges::max(known) < element.properties.size())
+        mesh.colours.push_back(of_vertex.tail<3>());
     }
-    if (vertex && std::max({xyz[0], xyz[1], xyz[2]}) == element.properties.size())
+    if (vertex && std::max({known[0], known[1], known[2]}) == element.properties.size())
       throw InputError(fmt::format("{}: its vertices have no x, y and z", name));
     if ((strip || element.name == "face") && element.count > 0 && !has_corners)
       throw InputError(fmt::format("{}: its faces have no list vertex_indices", name));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -17,6 +18,41 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMostSmear = 2e-4;  // of an edge's ends beside the line [m]
 constexpr double kLook = 5e-3;       // between places on the surface [m]
+
+// Where a stroke is cut that turns the tool further between two corners than the arm can [m]: with
+// a range below 360° where its heading leaves the range or comes back into it, else where the range
+// is used up.
+std::vector<double> turned_too_far(const PlacedStroke& stroke, const ToolHeading& heading,
+                                   const Pose& X_WP, double corner_angle) {
+  const double range = heading.most - heading.least, middle = 0.5 * (heading.most + heading.least);
+  const Eigen::Vector3d x = X_WP.R.transpose() * heading.start_x_W;
+  const double zero = std::atan2(x.y(), x.x()) - heading.yaw + middle;
+  std::vector<double> cuts, since;  // since the last corner
+  double along = stroke.start, turned = 0.0, low = 0.0, high = 0.0;
+  bool within_before = true;
+  for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
+    const Eigen::Vector2d way = stroke.p_P[i] - stroke.p_P[i - 1];
+    const double off = std::remainder(std::atan2(way.y(), way.x()) - zero, 2.0 * std::numbers::pi);
+    const bool within = std::abs(off) <= 0.5 * range, last = i + 1 == stroke.p_P.size();
+    if (turned != 0.0 && within != within_before) since.push_back(along);
+    within_before = within;
+    along += way.norm();
+    const double turn = last ? 0.0 : turn_at(stroke.p_P, i);
+    if (last || std::abs(turn) > corner_angle) {
+      if (high - low >= range) cuts.insert(cuts.end(), since.begin(), since.end());
+      since.clear();
+      turned = low = high = 0.0;
+      continue;
+    }
+    turned += turn;
+    low = std::min(low, turned);
+    high = std::max(high, turned);
+    if (range < 2.0 * std::numbers::pi || high - low < range) continue;
+    cuts.push_back(along);
+    turned = low = high = 0.0;
+  }
+  return cuts;
+}
 
 // The angle by which the arm can turn the tool about n in one direction, from q [rad].
 double turn_range(ArmModel* arm, const JointVector& q_0, double way, double margin) {
@@ -39,6 +75,41 @@ double turn_range(ArmModel* arm, const JointVector& q_0, double way, double marg
   return kMost;
 }
 
+// A pad on a surface that bends by more than its foam gives: it touches about its middle alone.
+void require_rim(const Scenario& s, const Plan& plan, const SurfaceHeight& surface,
+                 const SettingErrors& errors) {
+  const std::optional<PadSettings> pad = face_of(s);
+  if (!pad) return;
+  const Pose X_PW = plan.path_settings.X_WP.inverse();
+  SurfaceHeight::Sample last;
+  Eigen::Vector3d looked = Eigen::Vector3d::Constant(1e9);
+  for (double t = 0.0; t < plan.path.duration(); t += 5e-3) {
+    const PathSample sample = plan.path.at(t);
+    if (sample.stroke < 0 || (sample.reference.p_WD - looked).norm() < kLook) continue;
+    looked = sample.reference.p_WD;
+    const Eigen::Vector3d p = X_PW * looked, n = X_PW.R * sample.reference.n_WD,
+                          x = n.unitOrthogonal();
+    const auto middle = surface(p.x(), p.y(), last);
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = 0; middle && k < 8; ++k) {
+      const Eigen::Vector3d q = p + pad->radius * turned_about(n, x, k * std::numbers::pi / 4.0);
+      const auto there = surface(q.x(), q.y(), last);
+      if (there) least = std::min(least, n.dot(middle->p_P - there->p_P));
+    }
+    if (!std::isfinite(least) || least <= pad->rest) continue;
+    const auto place =
+        place_on(plan.strokes[static_cast<std::size_t>(sample.stroke)], sample.along);
+    errors.raise(
+        {"tool.radius", "control.normal_force", "tool.kind"},
+        fmt::format("tool.radius: a pad of {:.1f} mm touches about its middle alone, its "
+                    "rim is {:.2f} mm above the surface where the foam is pressed in by "
+                    "{:.2f} mm: stroke {}, at page ({:.1f}, {:.1f}) mm; valid is a smaller "
+                    "pad, softer foam or more force",
+                    2e3 * pad->radius, 1e3 * least, 1e3 * pad->rest, sample.stroke, place.page.x(),
+                    place.page.y()));
+  }
+}
+
 }  // namespace
 
 std::optional<ToolHeading> heading_of(const Scenario& s, const ArmModel& arm,
@@ -57,26 +128,16 @@ std::optional<ToolHeading> heading_of(const Scenario& s, const ArmModel& arm,
 }
 
 std::vector<PlacedStroke> cut_where_turned(std::vector<PlacedStroke> strokes,
-                                           const ToolHeading& heading, double corner_angle,
-                                           std::vector<std::string>* notes) {
+                                           const ToolHeading& heading, const Pose& X_WP,
+                                           double corner_angle, std::vector<std::string>* notes) {
   const double most = heading.most - heading.least;
   std::vector<PlacedStroke> parts;
   std::string where;
   int cut = 0;
   for (PlacedStroke& stroke : strokes) {
     std::vector<double> cuts{stroke.start};
-    double along = stroke.start, turned = 0.0, low = 0.0, high = 0.0;
-    for (std::size_t i = 1; i + 1 < stroke.p_P.size(); ++i) {
-      along += (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
-      const double turn = turn_at(stroke.p_P, i);
-      const bool corner = std::abs(turn) > corner_angle;
-      turned = corner ? 0.0 : turned + turn;
-      low = corner ? 0.0 : std::min(low, turned);
-      high = corner ? 0.0 : std::max(high, turned);
-      if (high - low < most) continue;
+    for (const double along : turned_too_far(stroke, heading, X_WP, corner_angle))
       cuts.push_back(along);
-      turned = low = high = 0.0;
-    }
     const double end = stroke.start + plane_length(stroke);
     if (cuts.size() > 1) where += fmt::format("{}{}", where.empty() ? "" : ", ", stroke.number);
     cut += static_cast<int>(cuts.size()) - 1;
@@ -98,7 +159,7 @@ std::vector<PlacedStroke> cut_where_turned(std::vector<PlacedStroke> strokes,
 
 void require_fit(const Scenario& s, const Plan& plan, const SurfaceHeight& surface,
                  const SettingErrors& errors) {
-  if (!is_led(s.tool)) return;
+  if (!is_led(s.tool)) return require_rim(s, plan, surface, errors);
   const PadSettings face = *face_of(s);
   const bool edge = face.face == PadFace::edge;
   const double r = face.radius;
@@ -107,20 +168,19 @@ void require_fit(const Scenario& s, const Plan& plan, const SurfaceHeight& surfa
                  fmt::format("tool.radius: {} of {:.2f} mm {}", edge ? "an edge" : "a roller",
                              2e3 * r, text));
   };
+  // Before it swivels at a corner, half of the edge stands beyond that.
   const double corner = plan.path_settings.corner_angle_deg * kDegree;
-  for (const PlacedStroke& stroke : plan.strokes) {
-    double since = 0.0;
-    for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
-      since += (stroke.p_P[i] - stroke.p_P[i - 1]).norm();
-      if (i + 1 < stroke.p_P.size() && std::abs(turn_at(stroke.p_P, i)) <= corner) continue;
-      if (edge && s.tool.yaw_deg == 0.0 && since < 2.0 * r && stroke.p_P.size() > 2)
-        refuse(fmt::format(
-            "is longer than what lies between two corners of stroke {}, {:.2f} mm at page ({:.1f}, "
-            "{:.1f}) mm; valid is a larger drawing, or an edge up to that",
-            stroke.number, 1e3 * since, stroke.page[i].x(), stroke.page[i].y()));
-      since = 0.0;
+  for (const PlacedStroke& stroke : plan.strokes)
+    for (std::size_t i = 1; i + 1 < stroke.p_P.size(); ++i) {
+      const double turn = std::abs(turn_at(stroke.p_P, i)),
+                   beside = r * std::sin(std::min(turn, 0.5 * std::numbers::pi));
+      if (!edge || s.tool.yaw_deg != 0.0 || turn <= corner || beside <= kMostSmear) continue;
+      refuse(
+          fmt::format("stands {:.2f} mm beside the corner of stroke {} at page ({:.1f}, {:.1f}) "
+                      "mm before it swivels; valid is an edge up to {:.2f} mm",
+                      1e3 * beside, stroke.number, stroke.page[i].x(), stroke.page[i].y(),
+                      2e3 * r * kMostSmear / beside));
     }
-  }
   SurfaceHeight::Sample last;
   const Pose X_PW = plan.path_settings.X_WP.inverse();
   Eigen::Vector3d looked = Eigen::Vector3d::Constant(1e9);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/canvas/mesh_file.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/regions.h"
 #include "impedraw/experiment/height_sources.h"
@@ -18,11 +19,31 @@ namespace {
 constexpr double kMostVertices = 90e3;
 constexpr double kInside = 0.75;
 constexpr double kForceChange = 0.06;  // of the force along the lines at most, as a share of it
+// Between the points of a line [m]. The path keeps to their chords within a tenth of it, which a
+// pad does not feel: held within 10 µm, each would be a bend to slow down at.
+constexpr double kExact = 1e-3;
 
 Footprint footprint_of(const PadSettings& pad) { return {pad.radius, pad.rest, pad.thickness}; }
 
+// The vertices under the faces of a colour, of a mesh that is placed as canvas.mesh is.
+std::vector<char> painted(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP) {
+  CanvasSettings placed = s.canvas;
+  placed.kind = CanvasKind::mesh;
+  placed.mesh.file = s.cover.region;
+  const Canvas faces(make_mesh(placed));
+  const Eigen::Vector3d up = X_WP.R.col(2);
+  std::vector<char> inside(g.size(), 0);
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    if (!g.known[v]) continue;
+    const auto hit = faces.ray(X_WP * g.point(v) + kJudged * up, -up);
+    inside[v] = hit && hit->t <= 2.0 * kJudged;
+  }
+  return inside;
+}
+
 // The vertices that lie in the region's areas.
-std::vector<char> region_of(const Scenario& s, const SurfaceGrid& g) {
+std::vector<char> region_of(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP) {
+  if (is_mesh_file(s.cover.region)) return painted(s, g, X_WP);
   const Artwork artwork = read_artwork(s.cover.region, {.visible = s.drawing.visible});
   if (artwork.areas.empty())
     throw InputError(fmt::format("{}: has no filled area to cover; valid is an SVG with one",
@@ -129,7 +150,7 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
                  "tool.kind is pen: its ball touches at a point and covers no area; valid is pad");
   if (s.tool.kind == ToolKind::pen) s.tool.kind = ToolKind::pad;
   if (!given("path.draw_speed")) s.path.draw_speed = 0.1;
-  if (!given("path.draw_acceleration")) s.path.draw_acceleration = 1.0;
+  if (!given("path.draw_acceleration")) s.path.draw_acceleration = 2.0;
   if (!given("path.travel_acceleration")) s.path.travel_acceleration = 1.0;
   const double r = s.tool.radius.value_or(PadSettings().radius), voxel = s.perception.voxel;
   NormalSettings& normals = s.perception.normals;
@@ -159,7 +180,7 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
   plan.wish.margin = s.cover.margin;
   if (!s.cover.region.empty())
     plan.wish.region = errors.locate({"cover.region", "drawing.placement"},
-                                     [&] { return region_of(s, plan.grid); });
+                                     [&] { return region_of(s, plan.grid, X_WP); });
   plan.centres = footprint_centres(plan.grid, plan.wish);
   require_centres(plan, s, errors);
   plan.lines = cover_lines(plan.grid, plan.centres, plan.wish);
@@ -167,6 +188,7 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
   const std::vector<char> inner = inside_by(plan.grid, promised(), pad->radius);
   even_lines(plan.grid, plan.centres.clearance, pad->radius, inner, plan.lines.edges,
              &plan.lines.passes);
+  for (auto& pass : plan.lines.passes) pass = rounded(pass, kExact);
   plan.promised_area = area_of(plan.grid, promised());
   plan.forces = even_forces(plan.grid, plan.lines.passes, pad->radius, inner, kForceChange);
   for (auto& pass : plan.forces)
@@ -210,6 +232,7 @@ Scenario drawing_of_cover(Scenario s, const std::filesystem::path& strokes) {
   drawing.dry_run = s.drawing.dry_run;
   drawing.placement = shape_placement(s.drawing.placement.centre_m);
   s.drawing = drawing;
+  s.path.tolerance = s.path.rounding = 0.1 * kExact;
   const double force = s.control.normal_force;
   s.pen.least_force = std::min(s.pen.least_force, force * (1.0 - kForceChange));
   s.pen.most_force = std::max(s.pen.most_force, force * (1.0 + kForceChange));

@@ -20,13 +20,15 @@
 namespace impedraw {
 namespace {
 
-// Numbers the strokes in order. `source` gets the artwork's stroke number of each.
-std::vector<PlacedStroke> renumbered(std::vector<PlacedStroke> strokes, std::vector<int>* source) {
+// Numbers the strokes in order. `source` gets the artwork's stroke number of each. Lengths along
+// wrapped strokes are their own; other parts keep their place on the artwork's stroke.
+std::vector<PlacedStroke> renumbered(std::vector<PlacedStroke> strokes, bool wrapped,
+                                     std::vector<int>* source) {
   source->clear();
   for (PlacedStroke& stroke : strokes) {
     source->push_back(stroke.number);
     stroke.number = static_cast<int>(source->size()) - 1;
-    stroke.start = 0.0;
+    if (wrapped) stroke.start = 0.0;
   }
   return strokes;
 }
@@ -200,10 +202,10 @@ std::vector<StrokePart> Planning::lay_on_surface() {
     });
   }
   if (const auto& heading = plan_.path_settings.heading)
-    laid.strokes = cut_where_turned(std::move(laid.strokes), *heading,
+    laid.strokes = cut_where_turned(std::move(laid.strokes), *heading, artwork_.X_WP,
                                     plan_.path_settings.corner_angle_deg * std::numbers::pi / 180.0,
                                     &heading_notes_);
-  plan_.requested = renumbered(std::move(laid.strokes), &plan_.source);
+  plan_.requested = renumbered(std::move(laid.strokes), plan_.wrap.has_value(), &plan_.source);
   if (plan_.wrap) wrap_doubt_ = wrap_doubt(plan_, belief_);
   return std::move(laid.lost);
 }

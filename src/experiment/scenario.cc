@@ -301,7 +301,8 @@ void describe(Fields& f, ToolSettings& s) {
 
 void describe(Fields& f, CoverSettings& s) {
   f.field("region", s.region,
-          "SVG whose filled areas are covered, placed as drawing.placement says; empty: all that "
+          "SVG whose filled areas are covered, placed as drawing.placement says; or a mesh with "
+          "the colour of its faces, placed as canvas.mesh is, as part.ply#c01020; empty: all that "
           "the cameras see and the arm reaches.");
   f.field("overlap", s.overlap, {0.0, 0.9}, "",
           "Overlap of neighbouring lines, as a share of the footprint's width. 0.82 treats evenly "

@@ -1,5 +1,6 @@
 // ./impedraw cover: a short run on the dome, and bad input, which is named before anything moves.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -42,6 +43,28 @@ class Cover : public testing::Test {
   std::string window(const std::string& scale) const {
     return "--region " + (folder_ / "window.svg").string() +
            " --set drawing.placement.scale=" + scale;
+  }
+
+  // The dome of scenarios/cover-dome.yaml as squares of 5 mm, red in a window of 60 × 60 mm about
+  // its middle and else grey, moved along x [m].
+  std::string painted(double moved) const {
+    constexpr int kHalf = 16;
+    constexpr double kSquare = 5e-3;
+    std::ofstream out(folder_ / "painted.obj");
+    for (int i = -kHalf; i <= kHalf; ++i)
+      for (int j = -kHalf; j <= kHalf; ++j) {
+        const double x = i * kSquare, y = j * kSquare;
+        out << "v " << 0.6 + x + moved << " " << y << " " << std::sqrt(0.09 - x * x - y * y) - 0.1
+            << (std::max(std::abs(i), std::abs(j)) <= 6 ? " 0.8 0.1 0.1\n" : " 0.5 0.5 0.5\n");
+      }
+    const int n = 2 * kHalf + 1;
+    for (int i = 0; i + 1 < n; ++i)
+      for (int j = 1; j < n; ++j) {
+        const int a = i * n + j, b = a + n;
+        out << "f " << a << " " << b << " " << b + 1 << "\nf " << a << " " << b + 1 << " " << a + 1
+            << "\n";
+      }
+    return (folder_ / "painted.obj").string() + "#cc1a1a";
   }
 
   fs::path folder_;
@@ -137,6 +160,31 @@ TEST_F(Cover, NamesBadInput) {
   refuses(window("1") + " --set drawing.placement.centre=[1.5,0]", "lies off the canvas");
   refuses(window("0.3"), "fits nowhere in cover.region");
   refuses("--set tool.foam_stiffness=1e8", "touches with a part of its face only");
+  refuses("--region " + painted(0.5), "lies off the canvas");
+}
+
+// A pad that touches about its middle alone, on a ball as large as its foam gives.
+TEST_F(Cover, NamesAPadThatDoesNotFitALine) {
+  EXPECT_EQ(run("scenarios/cover-dome.yaml --set drawing.shape=circle "
+                "--set tool.foam_stiffness=1e8",
+                "draw"),
+            2);
+  EXPECT_NE(said().find("touches about its middle alone"), std::string::npos) << said();
+}
+
+TEST_F(Cover, CoversAColourOfAMesh) {
+  ASSERT_EQ(run("--region " + painted(0.0)), 0) << said();
+  const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_GT(metrics["treated_share"], 0.995);
+  std::ifstream lines(folder_ / "run/cover.csv");
+  std::string row;
+  std::getline(lines, row);
+  double x = 0.0, y = 0.0, most = 0.0;
+  while (std::getline(lines, row)) {
+    ASSERT_EQ(std::sscanf(row.c_str(), "%lf,%lf", &x, &y), 2);
+    most = std::max({most, std::abs(x), std::abs(y)});
+  }
+  EXPECT_NEAR(most, 30.0 - 16.0, 3.0);
 }
 
 }  // namespace

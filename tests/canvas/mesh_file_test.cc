@@ -155,6 +155,33 @@ TEST_F(MeshFile, ReadsEveryTypeOfAPly) {
 
 // The triangles cover the polygon's area once: their area is that of the shoelace formula, and all
 // have the same winding.
+// Four vertices, of which the first three are red: the first triangle is, the second has two blue
+// corners.
+TEST_F(MeshFile, ReadsTheFacesOfAColour) {
+  const std::string faces = "3 0 1 2\n3 1 4 3\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty "
+      "float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 2\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0 250 5 0\n1 0 0 250 5 0\n"
+      "0 1 0 250 5 0\n1 1 0 0 0 255\n2 0 0 0 0 255\n" +
+      faces;
+  const std::string obj =
+      "v 0 0 0 0.98 0.02 0\nv 1 0 0 0.98 0.02 0\nv 0 1 0 0.98 0.02 0\nv 1 1 0 0 0 1\n"
+      "v 2 0 0 0 0 1\nf 1 2 3\nf 2 5 4\n";
+  for (const auto& [name, text] : {std::pair("a.ply", ply), std::pair("a.obj", obj)}) {
+    const std::string file = write(name, text);
+    EXPECT_EQ(read_mesh(file, 1.0).triangles.size(), 2U) << name;
+    ASSERT_EQ(read_mesh(file + "#ff0000", 1.0).triangles.size(), 1U) << name;
+    EXPECT_EQ(read_mesh(file + "#ff0000", 1.0).triangles[0], Eigen::Vector3i(0, 1, 2)) << name;
+    EXPECT_EQ(read_mesh(file + "#0000ff", 1.0).triangles[0][1], 4) << name;
+    EXPECT_TRUE(is_mesh_file(file + "#ff0000"));
+    EXPECT_THAT(refusal(file + "#00ff00"),
+                HasSubstr("no face has that colour; of 2 colours #fa0500"));
+  }
+  EXPECT_THAT(refusal(write("plain.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n") + "#ff0000"),
+              HasSubstr("its vertices have no colours"));
+}
+
 TEST_F(MeshFile, CutsAnySimplePolygon) {
   for (unsigned seed = 0; seed < 200; ++seed) {
     SCOPED_TRACE(seed);

@@ -8,6 +8,8 @@
 
 #include "drawn_scenario.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/experiment/truth.h"
+#include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/run/tool_judge.h"
 
 namespace impedraw {
@@ -77,6 +79,8 @@ TEST(Blade, NamesWhatDoesNotFit) {
                       {"drawing.text.text=ab", "drawing.placement.height=4", "tool.radius=0.004"}),
               HasSubstr("tool.radius"));
   EXPECT_THAT(refusal("bowl-sine-blind", {"tool.kind=blade"}), HasSubstr("tool.kind"));
+  EXPECT_THAT(refusal("bowl-blade-star", {"tool.radius=0.002", "tool.trail=0"}),
+              HasSubstr("mm beside the corner of stroke 0"));
 }
 
 // What the arm cannot reach after that, where its base has turned on, is left out by name.
@@ -85,6 +89,9 @@ TEST(Blade, IsLiftedWhereTheArmCannotTurnOn) {
       resolve_scenario("bowl-blade", {"drawing.shape=circle", "drawing.skip_unreachable=true"}));
   EXPECT_THAT(circle.plan.notes, ::testing::Contains(HasSubstr("yaw: the arm turns the tool by")));
   EXPECT_GE(circle.plan.strokes.size(), 2u);
+  EXPECT_GT(plane_length(circle.plan.strokes), 0.95 * plane_length(circle.artwork.strokes));
+  // Parts of a stroke keep their place on it.
+  EXPECT_LT(unnamed_length(circle), 1e-6);
 }
 
 }  // namespace

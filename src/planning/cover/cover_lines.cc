@@ -50,7 +50,7 @@ Line resampled(const Line& line, double spacing) {
 Line smoothed(Line line) {
   constexpr int kSmoothings = 3;
   if (line.size() < 3) return line;
-  const bool closed = (line.front() - line.back()).norm() < 1e-9;
+  const bool closed = is_closed(line);
   line = resampled(line, kKnots);
   for (int k = 0; k < kSmoothings; ++k) {
     Line next = line;
@@ -226,8 +226,7 @@ CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const Cover
     if (length_of(g, line) <= radius) continue;
     const Line once = smoothed(line);
     Line& pass = found.passes.emplace_back(once);
-    const bool closed = (once.front() - once.back()).norm() < 1e-9;
-    for (long k = 1; k < rounds && closed; ++k)
+    for (long k = 1; k < rounds && is_closed(once); ++k)
       pass.insert(pass.end(), once.begin() + 1, once.end());
   }
   found.edges = found.passes.size();
@@ -259,8 +258,33 @@ CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const Cover
           rows.push_back({k, resampled(shortened(part, kBendWay * wish.spacing), kKnots)});
   found.rows = rows.size();
   for (Line& pass : joined_rows(g, centres.clearance, std::move(rows), wish.spacing))
-    found.passes.push_back(std::move(pass));
+    found.passes.push_back(resampled(pass, kKnots));
   return found;
+}
+
+std::vector<Eigen::Vector2d> rounded(const Line& line, double step) {
+  if (line.size() < 4) return line;
+  const auto n = static_cast<std::ptrdiff_t>(line.size());
+  const bool closed = is_closed(line);
+  const auto control = [&](std::ptrdiff_t i) -> Eigen::Vector2d {
+    if (i >= 0 && i < n) return line[static_cast<std::size_t>(i)];
+    if (closed) return i < 0 ? line[line.size() - 2] : line[1];
+    return i < 0 ? 2.0 * line[0] - line[1] : 2.0 * line[line.size() - 1] - line[line.size() - 2];
+  };
+  Line out;
+  for (std::ptrdiff_t i = 0; i + 1 < n; ++i) {
+    const Eigen::Vector2d a = control(i - 1), b = control(i), c = control(i + 1),
+                          d = control(i + 2);
+    const int pieces = std::max(1, static_cast<int>(std::ceil((c - b).norm() / step)));
+    for (int k = 0; k < pieces; ++k) {
+      const double t = static_cast<double>(k) / pieces, s = 1.0 - t;
+      out.push_back((s * s * s * a + (3.0 * t * t * t - 6.0 * t * t + 4.0) * b +
+                     (3.0 * s * s * s - 6.0 * s * s + 4.0) * c + t * t * t * d) /
+                    6.0);
+    }
+  }
+  out.push_back(closed ? out.front() : line.back());
+  return out;
 }
 
 std::vector<char> swept(const SurfaceGrid& g, const std::vector<Line>& lines, double radius) {

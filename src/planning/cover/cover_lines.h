@@ -8,6 +8,7 @@
 //           apart on the surface or less, so that the outer ones lie beside the edge's line
 // Passes    the edge's lines, then the rows there and back, joined by bends as wide as their
 //           distance, lifted only where a join would leave the centres
+// Rounded   a polyline has its bend in its corners, where the path would have to slow down
 #pragma once
 
 #include <vector>
@@ -49,6 +50,10 @@ struct CoverLines {
   std::size_t rows = 0;                              // lines that are level sets
 };
 CoverLines cover_lines(const SurfaceGrid& grid, const Centres& centres, const CoverWish& wish);
+
+// The cubic B-spline with these control points, by points at most `step` apart: its curvature is
+// continuous, and it stays in their convex hull. It has the line's ends, or stays closed.
+std::vector<Eigen::Vector2d> rounded(const std::vector<Eigen::Vector2d>& line, double step);
 
 // The vertices that a disc of this radius covers, centred on each place of the lines.
 std::vector<char> swept(const SurfaceGrid& grid,

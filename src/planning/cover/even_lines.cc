@@ -59,8 +59,6 @@ Vector2d rim_pull(const SurfaceGrid& g, const Unevenness& u, const Vector2d& p, 
   return 2.0 * std::numbers::pi * radius / kRim * pull.head<2>();
 }
 
-bool is_closed(const Line& line) { return (line.front() - line.back()).norm() < 1e-9; }
-
 // The motion of each knot, per way at it, uphill on E.
 Line uphill(const SurfaceGrid& g, const Unevenness& u, const Line& line, double radius) {
   const std::size_t n = line.size();

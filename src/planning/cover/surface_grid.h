@@ -72,6 +72,10 @@ std::vector<std::vector<Eigen::Vector2d>> level_lines(const SurfaceGrid& grid,
                                                       const std::vector<double>& field,
                                                       double level);
 
+inline bool is_closed(const std::vector<Eigen::Vector2d>& line) {
+  return (line.front() - line.back()).norm() < 1e-9;
+}
+
 // Visits the vertices whose surface point lies within `radius` of p.
 template <class Visit>
 void around(const SurfaceGrid& grid, const Eigen::Vector3d& p, double radius, Visit&& visit) {

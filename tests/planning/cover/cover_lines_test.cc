@@ -7,6 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "impedraw/planning/cover/even_lines.h"
+#include "impedraw/planning/path/tip_planner.h"
+
 namespace impedraw {
 namespace {
 
@@ -114,6 +117,58 @@ TEST(CoverLines, LeaveNothingOfWhatTheFootprintReaches) {
     for (const auto& pass : lines.passes)
       for (const Eigen::Vector2d& p : pass) ASSERT_GT(g.sample(c.clearance, p), -kStep);
   }
+}
+
+// Control points on a circle: the spline's knots lie at (2 + cos θ) / 3 of its radius, and it bends
+// nowhere by more than that.
+TEST(CoverLines, RoundedBendsEvenly) {
+  constexpr double kRound = 0.01;
+  std::vector<Eigen::Vector2d> circle;
+  for (int k = 0; k <= 12; ++k)
+    circle.push_back(kRound * Eigen::Vector2d(std::cos(k * std::numbers::pi / 6.0),
+                                              std::sin(k * std::numbers::pi / 6.0)));
+  circle.back() = circle.front();
+  const std::vector<Eigen::Vector2d> line = rounded(circle, 0.5e-3);
+  ASSERT_TRUE(is_closed(line));
+  const double radius = kRound * (2.0 + std::cos(std::numbers::pi / 6.0)) / 3.0;
+  for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+    EXPECT_NEAR(line[i].norm(), radius, 1e-5);
+    EXPECT_LE((line[i] - line[i - 1]).norm(), 0.5e-3);
+    const Eigen::Vector2d a = line[i] - line[i - 1], b = line[i + 1] - line[i];
+    const double turn = std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+    EXPECT_NEAR(0.5 * (a.norm() + b.norm()) / turn, radius, 0.03 * radius);
+  }
+  circle.pop_back();
+  const std::vector<Eigen::Vector2d> open = rounded(circle, 0.5e-3);
+  EXPECT_LT((open.front() - circle.front()).norm(), 1e-12);
+  EXPECT_LT((open.back() - circle.back()).norm(), 1e-12);
+}
+
+// What evening leaves of a line has a bend at each of its points, where the path would slow down.
+TEST(CoverLines, LetThePathKeepItsSpeed) {
+  const SurfaceHeight height = dome();
+  const SurfaceGrid g = grid_of(height);
+  CoverWish w = wish();
+  w.spacing = 0.0054;
+  const Centres c = footprint_centres(g, w);
+  CoverLines lines = cover_lines(g, c, w);
+  const double radius = w.footprint.radius;
+  even_lines(g, c.clearance, radius, inside_by(g, swept(g, lines.passes, radius), radius),
+             lines.edges, &lines.passes);
+  const auto mean_speed = [&](bool round) {
+    PathSettings settings;
+    settings.draw_speed = 0.1;
+    settings.draw_acceleration = 2.0;
+    if (round) settings.tolerance = settings.rounding = 1e-4;
+    std::vector<PlacedStroke> strokes;
+    for (const auto& pass : lines.passes) {
+      const std::vector<Eigen::Vector2d> line = round ? rounded(pass, 1e-3) : pass;
+      strokes.push_back({line, line, static_cast<int>(strokes.size())});
+    }
+    return plan_tip_path(strokes, height, settings).mean_speed();
+  };
+  EXPECT_LT(mean_speed(false), 0.075);
+  EXPECT_GT(mean_speed(true), 0.082);
 }
 
 TEST(CoverLines, KeepOffAHole) {
