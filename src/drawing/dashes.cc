@@ -142,4 +142,14 @@ std::vector<Stroke> dashed(const std::vector<Stroke>& strokes, const std::vector
   return result;
 }
 
+Dash dash_from(Dash dash, const std::vector<Vector2d>& line, double start) {
+  for (std::size_t i = 1; i < line.size() && start > 0; ++i) {
+    const Vector2d along = line[i] - line[i - 1];
+    const double part = std::min(start, along.norm());
+    dash.offset += part * (dash.to_pattern * along.normalized()).norm();
+    start -= part;
+  }
+  return dash;
+}
+
 }  // namespace impedraw

@@ -16,4 +16,7 @@ namespace impedraw {
 // than a million dashes.
 std::vector<Stroke> dashed(const std::vector<Stroke>& strokes, const std::vector<Dash>& dashes);
 
+// The dash's pattern for the part of the line from `start` [mm] on.
+Dash dash_from(Dash dash, const std::vector<Eigen::Vector2d>& line, double start);
+
 }  // namespace impedraw

@@ -10,6 +10,7 @@
 
 #include "impedraw/drawing/clip_regions.h"
 #include "impedraw/drawing/covers.h"
+#include "impedraw/drawing/dashes.h"
 #include "impedraw/drawing/line_pieces.h"
 #include "impedraw/drawing/polyline.h"
 
@@ -52,7 +53,8 @@ class Eye {
     }
     bool any = false;
     for (std::size_t i = paints.size(); i-- > 0;) {
-      if (paints[i].inked && !paints[i].area.outlines.empty()) first_area_ = i;
+      if (paints[i].inked && !paints[i].area.outlines.empty())
+        first_area_ = i, filled_.insert(paints[i].area.colour);
       if (paints[i].strokes.empty()) continue;
       const std::uint32_t colour = paints[i].strokes.front().colour;
       if (any && colour != first_colour_) first_other_ = i + 1;
@@ -287,20 +289,35 @@ class Eye {
       const Vector2d beside = Vector2d::Constant(kMostReach * stroke.width);
       reach.extend(AlignedBox2d(boxes_[index].min() - beside, boxes_[index].max() + beside));
     }
-    if (!is_cut && !reach.intersects(beneath_[index])) return;
+    is_cut = is_cut || reach.intersects(beneath_[index]);
     for (const Stroke& stroke : paint.strokes) {
       if (stroke.edge || stroke.dash >= 0 || !(stroke.width > 30 * hair_)) continue;
-      if (first_area_ > index && first_other_ >= index && stroke.colour == first_colour_) continue;
+      const bool hides = is_cut && !(first_area_ > index && first_other_ >= index &&
+                                     stroke.colour == first_colour_);
+      // Edges may cross a thin one.
+      const bool banded =
+          paint.plain_strokes && stroke.width > crossing_ && filled_.contains(stroke.colour);
+      if (!hides && !banded) continue;
       offset_ += stroke.points.size();
       if (offset_ > kMostCovering) return;
       Outlines region = math_.stroked(stroke.points, stroke.width, stroke.closed, paint.round);
       if (clip) region = math_.common(region, clip->region);
-      if (!region.empty())
-        covering_.add({std::move(region), {}, true, paint.covers_from, stroke.colour});
+      if (region.empty()) continue;
+      if (banded) add_band(region, index, stroke.colour);
+      if (hides) covering_.add({std::move(region), {}, true, paint.covers_from, stroke.colour});
     }
   }
 
-  // Leaves out edges and strokes that lie within an area of their own colour.
+  // What shows of a stroke in whose colour areas are filled, too.
+  void add_band(Outlines band, std::size_t index, std::uint32_t colour) {
+    const AlignedBox2d box = outlines_box(band);
+    const Outlines cover = united(covers_.over(box, index), {}, box);
+    if (!cover.empty()) band = math_.without(band, cover);
+    std::move(band.begin(), band.end(), std::back_inserter(bands_[colour]));
+  }
+
+  // Leaves out edges and strokes that lie within an area of their own colour, and edges within a
+  // stroke of it.
   void drop_seams() {
     std::map<std::uint32_t, Outlines> by_colour;
     for (std::size_t i = 0; i < paints_.size(); ++i) {
@@ -308,13 +325,19 @@ class Eye {
       Outlines& all = by_colour[paints_[i].area.colour];
       std::move(shown_[i].begin(), shown_[i].end(), std::back_inserter(all));
     }
-    std::map<std::uint32_t, RegionIndex> indices;
+    std::map<std::uint32_t, RegionIndex> indices, of_edges;
     for (const auto& [colour, region] : by_colour) indices.emplace(colour, region);
+    for (auto& [colour, region] : bands_) {
+      const Outlines& areas = by_colour[colour];
+      region.insert(region.end(), areas.begin(), areas.end());
+      of_edges.emplace(colour, region);
+    }
     for (Paint& paint : paints_) {
       std::vector<Stroke> kept;
       for (Stroke& stroke : paint.strokes) {
-        const auto found = indices.find(stroke.colour);
-        if (found == indices.end() || found->second.empty() ||
+        const auto& any = stroke.edge && of_edges.contains(stroke.colour) ? of_edges : indices;
+        const auto found = any.find(stroke.colour);
+        if (found == any.end() || found->second.empty() ||
             !(stroke.edge ? paint.plain : paint.plain_strokes) ||
             (paint.inked && !paint.hides && paint.area.colour != stroke.colour)) {
           kept.push_back(std::move(stroke));
@@ -431,21 +454,10 @@ class Eye {
       kept.push_back(like(stroke, std::move(piece.points)));
       if (stroke.dash >= 0 && piece.start > 0) {
         kept.back().dash = static_cast<int>(dashes_.size());
-        dashes_.push_back(moved(dashes_[stroke.dash], stroke.points, piece.start));
+        dashes_.push_back(dash_from(dashes_[stroke.dash], stroke.points, piece.start));
       }
     }
     return sum;
-  }
-
-  // The dash's pattern for the part of the line from `start` on.
-  static Dash moved(Dash dash, const std::vector<Vector2d>& line, double start) {
-    for (std::size_t i = 1; i < line.size() && start > 0; ++i) {
-      const Vector2d along = line[i] - line[i - 1];
-      const double part = std::min(start, along.norm());
-      dash.offset += part * (dash.to_pattern * along.normalized()).norm();
-      start -= part;
-    }
-    return dash;
   }
 
   std::vector<Paint>& paints_;
@@ -462,7 +474,8 @@ class Eye {
   std::size_t first_area_ = -1, first_other_ = -1;  // paints with ink, and with a second colour
   std::uint32_t first_colour_ = 0;
   std::vector<AlignedBox2d> boxes_, beneath_;  // of each paint, and of all before it
-  std::set<std::uint32_t> colours_;            // of strokes
+  std::set<std::uint32_t> colours_, filled_;   // of strokes; of areas
+  std::map<std::uint32_t, Outlines> bands_;    // of wide strokes, by their colour
   bool cuts_ = false;                          // something may give an area a new edge
   mutable double hidden_ = 0;
 };

@@ -5,10 +5,11 @@
 // clip or something white cuts it. Where a later area that is inked hides it, that one's own edge
 // is drawn instead. A line along the border of an area that hides is visible, as half of it is; one
 // along the border of its clip too. Lines on the border are told apart from lines in it by 3e-6 of
-// the drawing's diagonal. An edge or stroke within one colour is not seen. A stroke hides what lies
-// beneath its width, but for strokes of its own colour and for what merely crosses it, up to 1/300
-// of the diagonal. Uncut lines and areas are returned as they came. Where a stroke's centre
-// line is hidden and its rim is not (a road's casing), the middle of the rim is drawn.
+// the drawing's diagonal. An edge or stroke within one colour is not seen, nor an edge within a
+// wide stroke of its colour. A stroke hides what lies beneath its width, but for strokes of its own
+// colour and for what merely crosses it, up to 1/300 of the diagonal. Uncut lines and areas are
+// returned as they came. Where a stroke's centre line is hidden and its rim is not (a road's
+// casing), the middle of the rim is drawn.
 #pragma once
 
 #include <cstddef>

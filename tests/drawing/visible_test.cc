@@ -101,6 +101,21 @@ TEST(Visible, WhiteOverTheRimOfAnAreaEdgesWhatLiesBeneathBoth) {
               1e-3);
 }
 
+TEST(Visible, AnEdgeWithinAWideStrokeOfItsColourIsNotSeen) {
+  const auto stroke = [](double width) {
+    return fmt::format("<path d='M10 50H90' stroke='#262' stroke-width='{}'/>", width);
+  };
+  const auto area = [](const char* colour) {
+    return fmt::format("<path d='M20 10h20v80h-20z' fill='{}'/>", colour);
+  };
+  constexpr double kLength = 80 - 20, kEdge = 200;  // the area hides a quarter of the line
+  EXPECT_NEAR(inked(stroke(12) + area("#262")), kLength + kEdge - 24, 0.05);
+  EXPECT_NEAR(inked(stroke(12) + area("#26a")), kLength + kEdge, 0.05);
+  EXPECT_NEAR(inked(stroke(0.3) + area("#262")), kLength + kEdge, 0.05) << "crosses";
+  const std::string white = "<path d='M15 10h35v80h-35z' fill='white'/>";
+  EXPECT_NEAR(inked(stroke(12) + white + area("#262")), 80 - 35 + kEdge, 0.05) << "between them";
+}
+
 TEST(Visible, DashesRunOnBehindWhatHidesThem) {
   const Artwork a = painted(
       "<path d='M0 50H100' stroke='black' stroke-dasharray='7 3'/>"

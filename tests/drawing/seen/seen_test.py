@@ -21,6 +21,8 @@ KINDS = {
     "stroke over lines": LINES + "<path d='M10 50H90' stroke='#c33' stroke-width='12' stroke-linecap='round'/>",
     "casing": "<path d='M10 50Q50 0 90 50' fill='none' stroke='black' stroke-width='14'/>"
     "<path d='M10 50Q50 0 90 50' fill='none' stroke='gold' stroke-width='9'/>",
+    "area over a stroke of its colour": "<path d='M10 30H90M10 70H90' stroke='#262' stroke-width='12'/><path d='M20 10h20v80h-20z' fill='#262'/>"
+    "<path d='M50 10h40v80h-40z' fill='white'/><path d='M60 20h20v60h-20z' fill='#262'/>",
     "open and filled": "<path d='M15 80L30 20 70 20 85 80' fill='#fb8' stroke='black' stroke-width='3'/>",
     "wider twin": "<path d='M10 50H90' stroke='black'/><path d='M10 50H90' stroke='black' stroke-width='9'/>",
     "nested clips": "<clipPath id='a'><circle cx='50' cy='50' r='40'/></clipPath><clipPath id='b' clip-path='url(#a)'>"
