@@ -223,8 +223,7 @@ constexpr const char* kTurning = "the turning of the pen's axis";
 constexpr Lifted kLimits[] = {
     {"path.normal_acceleration", [](PathSettings& s) { s.normal_acceleration = 100.0; }},
     {"the speed across roughness", [](PathSettings& s) { s.normal_speed = 1.0; }},
-    {kTurning,
-     [](PathSettings& s) { s.tilt_speed = 20.0, s.tilt_acceleration = kFree; }},
+    {kTurning, [](PathSettings& s) { s.tilt_speed = 20.0, s.tilt_acceleration = kFree; }},
     {"the joints' speeds, accelerations and torques",
      [](PathSettings& s) {
        s.joint_speed_share = s.joint_torque_share = 1.0, s.joint_acceleration = kFree;

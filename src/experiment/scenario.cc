@@ -283,8 +283,7 @@ void describe(Fields& f, ToolSettings& s) {
   f.field("foam_stiffness", s.foam_stiffness, {1e4, 1e9}, "N/m³",
           "Pressure of the foam per compression.");
   f.constant("foam_damping", PadSettings().damping, Range::any(), "N s/m³");
-  f.field("depth", s.depth, {1e-4, 2e-3}, "m",
-          "Depth of the engraver's groove below the surface.");
+  f.field("depth", s.depth, {1e-4, 2e-3}, "m", "Depth of the engraver's groove below the surface.");
   f.field("half_angle", s.half_angle_deg, {10.0, 75.0}, "deg",
           "Half of the angle of the engraver's cone; angle of a blade's edge to the surface.");
   f.field("passes", s.passes, {1, 20}, "",

@@ -119,7 +119,8 @@ void describe(F& f, JointSensorSettings& s) {
   f.field("delay", s.delay, {0.0, 0.03}, "s", "Delay of the readings.");
   f.choice("velocity", s.velocity, {"exact", "difference", "none"},
            "Velocities that the sensors give: the true ones, the difference of the "
-           "positions through a low-pass of 250 rad/s, or none; none needs control.joint_sensing.velocity: estimated.");
+           "positions through a low-pass of 250 rad/s, or none; none needs "
+           "control.joint_sensing.velocity: estimated.");
   f.constant("velocity_bandwidth", s.velocity_bandwidth, {0.0, 1e4}, "rad/s");
 }
 

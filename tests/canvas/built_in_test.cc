@@ -111,9 +111,8 @@ TEST(BuiltIn, RefusesWhatMakesNoCanvas) {
 
 // Cells of a fifth of a millimetre would make tens of billions of triangles of ten metres.
 TEST(BuiltIn, HasLongerEdgesWhereItIsLarge) {
-  for (const TriangleMesh& mesh :
-       {make_bowl({.radius = 10, .opening_radius = 10, .edge = 2e-4}),
-        make_plane({.width = 10, .height = 10, .edge = 2e-4})}) {
+  for (const TriangleMesh& mesh : {make_bowl({.radius = 10, .opening_radius = 10, .edge = 2e-4}),
+                                   make_plane({.width = 10, .height = 10, .edge = 2e-4})}) {
     EXPECT_GT(mesh.triangles.size(), 1'500'000u);
     EXPECT_LT(mesh.triangles.size(), 2'500'000u);
   }

@@ -195,10 +195,9 @@ void check_control(const Scenario& s) {
                    c.torque_delay.value_or(0.0));
   WrenchSensor(s.wrench_sensor, s.world.dt, 1);
   WrenchEstimator{estimator};
-  JointStateEstimator(
-      {s.world.dt, c.joint_sensing.bandwidth, c.joint_sensing.sensor_delay.value_or(0.0),
-       c.torque_delay.value_or(0.0)},
-      7);
+  JointStateEstimator({s.world.dt, c.joint_sensing.bandwidth,
+                       c.joint_sensing.sensor_delay.value_or(0.0), c.torque_delay.value_or(0.0)},
+                      7);
 }
 
 // All that the library has to say about the part of the scenario that `name` lies in. What nothing

@@ -103,9 +103,8 @@ TEST(Description, GivesTheRangesOfTheLibrarysCheck) {
 TEST(Description, AGroupOfConstantsIsReadAndNotWritten) {
   Fold fold;
   Places places;
-  EXPECT_NO_THROW(
-      read_yaml_text("sides: {both: true, count: 2, along: [0.5, 1]}", "s.yaml", "",
-                     described(fold), places));
+  EXPECT_NO_THROW(read_yaml_text("sides: {both: true, count: 2, along: [0.5, 1]}", "s.yaml", "",
+                                 described(fold), places));
   EXPECT_EQ(error_of([&] { read_settings(fold, "", {"sides.along=[0.5, 0.9]"}); }),
             "--set sides.along=[0.5, 0.9]: sides.along is a constant: [0.5, 1] m");
   EXPECT_EQ(error_of([&] { read_settings(fold, "", {"sides.both=false"}); }),
