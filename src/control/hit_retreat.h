@@ -4,8 +4,8 @@
 //   ṡ = w              until the force is gone; then s → s + kClear f̂, where nothing touches
 //
 // After kRest without a force, or once the pen comes down, s returns to zero at kReturn: never at
-// once, or the pen would dash at what hit it. The law's own stiffness would otherwise push against a
-// canvas that comes nearer, by its stiffness times the way.
+// once, or the pen would dash at what hit it. The law's own stiffness would otherwise push against
+// a canvas that comes nearer, by its stiffness times the way.
 #pragma once
 
 #include <algorithm>

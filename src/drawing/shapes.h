@@ -21,8 +21,8 @@ namespace impedraw {
 
 struct Shape {
   Artwork drawn;  // the commanded strokes
-  // The ideal result, where it is another, with as many strokes; points at most 0.1 mm apart, exactly
-  // on the formula.
+  // The ideal result, where it is another, with as many strokes; points at most 0.1 mm apart,
+  // exactly on the formula.
   std::optional<Artwork> ideal = std::nullopt;
 
   const Artwork& target() const { return ideal ? *ideal : drawn; }
