@@ -39,12 +39,11 @@ WrenchSensorSettings WrenchSensorSettings::realistic() {
 void require_valid(const WorldSettings& s) {
   require_ranges("world", s);
   if (!s.pad) return;
-  using Pad = PadSettings::Limits;
-  require_in_range("tool", Pad::radius, s.pad->radius);
-  require_in_range("tool", Pad::thickness, s.pad->thickness);
+  require_in_range("tool.radius", s.pad->radius, {5e-5, 0.1}, "m");
+  require_in_range("tool.thickness", s.pad->thickness, {1e-3, 0.1}, "m");
   if (s.pad->face != PadFace::disc) return;
-  require_in_range("tool", Pad::stiffness, s.pad->stiffness);
-  require_in_range("tool", Pad::damping, s.pad->damping);
+  require_in_range("tool.stiffness", s.pad->stiffness, {1e4, 1e9}, "N/m³");
+  require_in_range("tool.damping", s.pad->damping, {0.0, 1e6}, "N s/m³");
 }
 
 void require_valid(const WrenchSensorSettings& s, double dt) {
