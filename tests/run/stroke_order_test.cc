@@ -36,10 +36,10 @@ TEST(StrokeOrder, ShortensTheWayInTheAirAndKeepsTheStrokes) {
   EXPECT_LT(pen_up_length(ordered.artwork.shape.drawn.strokes), 0.9 * pen_up_length(file.strokes));
   EXPECT_EQ(ends(ordered.artwork.shape.drawn.strokes), ends(file.strokes));
   EXPECT_LT(ordered.plan.path.duration(), kept.plan.path.duration());
-  ASSERT_EQ(ordered.artwork.shape.target.strokes.size(),
+  ASSERT_EQ(ordered.artwork.shape.target().strokes.size(),
             ordered.artwork.shape.drawn.strokes.size());
   for (std::size_t i = 0; i < file.strokes.size(); ++i)
-    EXPECT_EQ(ordered.artwork.shape.target.strokes[i].points.front(),
+    EXPECT_EQ(ordered.artwork.shape.target().strokes[i].points.front(),
               ordered.artwork.shape.drawn.strokes[i].points.front())
         << "the target goes with it";
 }
