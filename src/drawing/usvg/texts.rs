@@ -50,8 +50,11 @@ fn measures(glyph: &PositionedGlyph, fonts: &fontdb::Database) -> Option<(f32, f
     fonts.with_face_data(glyph.font, |data, index| {
         let font = FontRef::from_index(data, index).ok()?;
         let metrics = font.metrics(Size::unscaled(), LocationRef::default());
-        let advance = font.glyph_metrics(Size::unscaled(), LocationRef::default()).advance_width(skrifa::GlyphId::new(glyph.id.0 as u32))?;
-        Some((advance, metrics.cap_height.filter(|h| *h > 0.0).unwrap_or(0.7 * metrics.units_per_em as f32)))
+        let glyphs = font.glyph_metrics(Size::unscaled(), LocationRef::default());
+        let advance = glyphs.advance_width(skrifa::GlyphId::new(glyph.id.0 as u32))?;
+        let of_h = font.charmap().map('H').and_then(|h| glyphs.bounds(h)).map(|box_| box_.y_max); // DejaVu tells no cap_height
+        let height = of_h.or(metrics.cap_height).filter(|h| *h > 0.0);
+        Some((advance, height.unwrap_or(0.7 * metrics.units_per_em as f32)))
     })?
 }
 
