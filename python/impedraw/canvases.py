@@ -46,7 +46,6 @@ class Bowl(CanvasShape):
     radius: Radius of the sphere. [m] Default 0.3.
     centre: Centre of the sphere. [m] Default [0.6, 0, 0.4].
     opening_radius: Radius of the circle at which the cap ends: radius × sin(slope there). [m] Default 0.18.
-    edge: Edge length of a mesh triangle. [m] Default 0.0015.
     move: Translation of the whole canvas, after its rotation. [m] Default [0, 0, 0].
     turn: Rotation of the whole canvas about the world's z axis. [deg] Default 0.
     """
@@ -57,7 +56,6 @@ class Bowl(CanvasShape):
         radius: float | None = None,
         centre: Sequence[float] | None = None,
         opening_radius: float | None = None,
-        edge: float | None = None,
         move: Sequence[float] | None = None,
         turn: float | None = None,
     ) -> None:
@@ -65,7 +63,6 @@ class Bowl(CanvasShape):
             "radius": radius,
             "centre": centre,
             "opening_radius": opening_radius,
-            "edge": edge,
             "move": move,
             "turn": turn,
         })
@@ -77,7 +74,6 @@ class Dome(CanvasShape):
     radius: Radius of the sphere. [m] Default 0.3.
     centre: Centre of the sphere. [m] Default [0.6, 0, 0.4].
     opening_radius: Radius of the circle at which the cap ends: radius × sin(slope there). [m] Default 0.18.
-    edge: Edge length of a mesh triangle. [m] Default 0.0015.
     move: Translation of the whole canvas, after its rotation. [m] Default [0, 0, 0].
     turn: Rotation of the whole canvas about the world's z axis. [deg] Default 0.
     """
@@ -88,7 +84,6 @@ class Dome(CanvasShape):
         radius: float | None = None,
         centre: Sequence[float] | None = None,
         opening_radius: float | None = None,
-        edge: float | None = None,
         move: Sequence[float] | None = None,
         turn: float | None = None,
     ) -> None:
@@ -96,7 +91,6 @@ class Dome(CanvasShape):
             "radius": radius,
             "centre": centre,
             "opening_radius": opening_radius,
-            "edge": edge,
             "move": move,
             "turn": turn,
         })
@@ -139,11 +133,7 @@ class Plane(CanvasShape):
 class Wave(CanvasShape):
     """The canvas `wave`. An argument left out has its default.
 
-    centre: Centre of the rectangle that the surface stands on; z is where its height is 0. [m] Default [0.6, 0, 0.1].
     heading: Direction of the surface's x axis, counter-clockwise as seen from above. [deg] Default 0.
-    width: Size along its x axis. [m] Default 0.36.
-    height: Size along its y axis. [m] Default 0.36.
-    edge: Longest side of a mesh cell, as seen from above. [m] Default 0.0015.
     amplitude: Amplitude of the wave: height = amplitude × sin(2π x/wavelength). [m] Default 0.015.
     wavelength: Wavelength along its x axis. [m] Default 0.2.
     move: Translation of the whole canvas, after its rotation. [m] Default [0, 0, 0].
@@ -153,22 +143,14 @@ class Wave(CanvasShape):
     def __init__(
         self,
         *,
-        centre: Sequence[float] | None = None,
         heading: float | None = None,
-        width: float | None = None,
-        height: float | None = None,
-        edge: float | None = None,
         amplitude: float | None = None,
         wavelength: float | None = None,
         move: Sequence[float] | None = None,
         turn: float | None = None,
     ) -> None:
         super().__init__("wave", "wave", {
-            "centre": centre,
             "heading": heading,
-            "width": width,
-            "height": height,
-            "edge": edge,
             "amplitude": amplitude,
             "wavelength": wavelength,
             "move": move,
@@ -179,11 +161,6 @@ class Wave(CanvasShape):
 class Saddle(CanvasShape):
     """The canvas `saddle`. An argument left out has its default.
 
-    centre: Centre of the rectangle that the surface stands on; z is where its height is 0. [m] Default [0.6, 0, 0.1].
-    heading: Direction of the surface's x axis, counter-clockwise as seen from above. [deg] Default 0.
-    width: Size along its x axis. [m] Default 0.36.
-    height: Size along its y axis. [m] Default 0.36.
-    edge: Longest side of a mesh cell, as seen from above. [m] Default 0.0015.
     radius: Radius of curvature at the centre: height = (x² - y²)/(2 radius). [m] Default 0.4.
     move: Translation of the whole canvas, after its rotation. [m] Default [0, 0, 0].
     turn: Rotation of the whole canvas about the world's z axis. [deg] Default 0.
@@ -192,21 +169,11 @@ class Saddle(CanvasShape):
     def __init__(
         self,
         *,
-        centre: Sequence[float] | None = None,
-        heading: float | None = None,
-        width: float | None = None,
-        height: float | None = None,
-        edge: float | None = None,
         radius: float | None = None,
         move: Sequence[float] | None = None,
         turn: float | None = None,
     ) -> None:
         super().__init__("saddle", "saddle", {
-            "centre": centre,
-            "heading": heading,
-            "width": width,
-            "height": height,
-            "edge": edge,
             "radius": radius,
             "move": move,
             "turn": turn,
@@ -221,7 +188,6 @@ class Cylinder(CanvasShape):
     radius: Radius of the cylinder. [m] Default 0.3.
     length: Length along the axis. [m] Default 0.36.
     width: Width as seen from above: 2 radius × sin(slope at its sides). [m] Default 0.36.
-    edge: Longest side of a mesh cell. [m] Default 0.0015.
     move: Translation of the whole canvas, after its rotation. [m] Default [0, 0, 0].
     turn: Rotation of the whole canvas about the world's z axis. [deg] Default 0.
     """
@@ -234,7 +200,6 @@ class Cylinder(CanvasShape):
         radius: float | None = None,
         length: float | None = None,
         width: float | None = None,
-        edge: float | None = None,
         move: Sequence[float] | None = None,
         turn: float | None = None,
     ) -> None:
@@ -244,7 +209,6 @@ class Cylinder(CanvasShape):
             "radius": radius,
             "length": length,
             "width": width,
-            "edge": edge,
             "move": move,
             "turn": turn,
         })
@@ -258,7 +222,6 @@ class Trough(CanvasShape):
     radius: Radius of the cylinder. [m] Default 0.3.
     length: Length along the axis. [m] Default 0.36.
     width: Width as seen from above: 2 radius × sin(slope at its sides). [m] Default 0.36.
-    edge: Longest side of a mesh cell. [m] Default 0.0015.
     move: Translation of the whole canvas, after its rotation. [m] Default [0, 0, 0].
     turn: Rotation of the whole canvas about the world's z axis. [deg] Default 0.
     """
@@ -271,7 +234,6 @@ class Trough(CanvasShape):
         radius: float | None = None,
         length: float | None = None,
         width: float | None = None,
-        edge: float | None = None,
         move: Sequence[float] | None = None,
         turn: float | None = None,
     ) -> None:
@@ -281,7 +243,6 @@ class Trough(CanvasShape):
             "radius": radius,
             "length": length,
             "width": width,
-            "edge": edge,
             "move": move,
             "turn": turn,
         })
@@ -290,10 +251,8 @@ class Trough(CanvasShape):
 class Cone(CanvasShape):
     """The canvas `cone`. An argument left out has its default.
 
-    apex: Apex of the cone. [m] Default [0.6, 0, 0.14].
     slope: Slope of its side; the half-angle is 90° minus the slope. [deg] Default 20.
     base_radius: Radius of the circle at which the cone ends. [m] Default 0.18.
-    edge: Edge length of a mesh triangle. [m] Default 0.0015.
     move: Translation of the whole canvas, after its rotation. [m] Default [0, 0, 0].
     turn: Rotation of the whole canvas about the world's z axis. [deg] Default 0.
     """
@@ -301,18 +260,14 @@ class Cone(CanvasShape):
     def __init__(
         self,
         *,
-        apex: Sequence[float] | None = None,
         slope: float | None = None,
         base_radius: float | None = None,
-        edge: float | None = None,
         move: Sequence[float] | None = None,
         turn: float | None = None,
     ) -> None:
         super().__init__("cone", "cone", {
-            "apex": apex,
             "slope": slope,
             "base_radius": base_radius,
-            "edge": edge,
             "move": move,
             "turn": turn,
         })
@@ -321,11 +276,6 @@ class Cone(CanvasShape):
 class Terrain(CanvasShape):
     """The canvas `terrain`. An argument left out has its default.
 
-    centre: Centre of the rectangle that the surface stands on; z is where its height is 0. [m] Default [0.6, 0, 0.1].
-    heading: Direction of the surface's x axis, counter-clockwise as seen from above. [deg] Default 0.
-    width: Size along its x axis. [m] Default 0.36.
-    height: Size along its y axis. [m] Default 0.36.
-    edge: Longest side of a mesh cell, as seen from above. [m] Default 0.0015.
     seed: Seed of the terrain. Default 1.
     amplitude: Bound on the heights, above and below zero. [m] Default 0.04.
     feature: Shortest wavelength of the hills; the longest is twice that. [m] Default 0.2.
@@ -336,11 +286,6 @@ class Terrain(CanvasShape):
     def __init__(
         self,
         *,
-        centre: Sequence[float] | None = None,
-        heading: float | None = None,
-        width: float | None = None,
-        height: float | None = None,
-        edge: float | None = None,
         seed: int | None = None,
         amplitude: float | None = None,
         feature: float | None = None,
@@ -348,11 +293,6 @@ class Terrain(CanvasShape):
         turn: float | None = None,
     ) -> None:
         super().__init__("terrain", "terrain", {
-            "centre": centre,
-            "heading": heading,
-            "width": width,
-            "height": height,
-            "edge": edge,
             "seed": seed,
             "amplitude": amplitude,
             "feature": feature,
@@ -364,11 +304,6 @@ class Terrain(CanvasShape):
 class Rough(CanvasShape):
     """The canvas `rough`. An argument left out has its default.
 
-    centre: Centre of the rectangle that the surface stands on; z is where its height is 0. [m] Default [0.6, 0, 0.05].
-    heading: Direction of the surface's x axis, counter-clockwise as seen from above. [deg] Default 0.
-    width: Size along its x axis. [m] Default 0.3.
-    height: Size along its y axis. [m] Default 0.3.
-    edge: Longest side of a mesh cell, as seen from above. [m] Default 0.0015.
     form: Hills at every scale down to the wavelength; flat facets of that size; a zigzag; a cylinder with waves along it; a step; a hole of that diameter; or a sheet above half of another. Default fractal.
     seed: Seed of a fractal or of facets. Default 1.
     slope: Root-mean-square slope. [deg] Default 10.
@@ -381,11 +316,6 @@ class Rough(CanvasShape):
     def __init__(
         self,
         *,
-        centre: Sequence[float] | None = None,
-        heading: float | None = None,
-        width: float | None = None,
-        height: float | None = None,
-        edge: float | None = None,
         form: str | None = None,
         seed: int | None = None,
         slope: float | None = None,
@@ -395,11 +325,6 @@ class Rough(CanvasShape):
         turn: float | None = None,
     ) -> None:
         super().__init__("rough", "rough", {
-            "centre": centre,
-            "heading": heading,
-            "width": width,
-            "height": height,
-            "edge": edge,
             "form": form,
             "seed": seed,
             "slope": slope,
