@@ -27,7 +27,7 @@ struct CoverPlan {
 };
 
 // The scenario as ./impedraw cover completes it: a pad where the tool is not given, 100 mm/s,
-// 1 m/s², and normals fitted over at least the footprint. Throws InputError for another tool.
+// 2 m/s², and normals fitted over at least the footprint. Throws InputError for another tool.
 Scenario with_cover_defaults(Scenario scenario, const Places& places);
 
 // Throws InputError where the region is no SVG with areas, lies off the canvas, or the footprint

@@ -317,7 +317,6 @@ void Planning::plan_path() {
     const double looks = 3.0 * plane_length(plan_.strokes) / plan_.path_settings.knot_spacing +
                          3.0 * static_cast<double>(plan_.strokes.size());
     const auto tell_path = [&](double done) { tell("planning the path", 0.65 + 0.15 * done); };
-    plan_.path = TipPath();  // a large one takes 100 MB
     plan_.path =
         plan_from(plan_.path_settings, progress_ ? counted(surface(), looks, tell_path) : surface(),
                   plan_.strokes, s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold,

@@ -265,7 +265,7 @@ void describe(Fields& f, LayerPenSettings& s) {
           "Change of the line width with the force; null: that of pen.");
   f.field("nominal_force", s.nominal_force, kNominalForceRange, "N",
           "Force at which the line has its nominal width; null: that of pen.");
-  f.field("longer", s.longer, {-0.02, 0.02}, "m",
+  f.field("longer", s.longer, kPenLongerRange, "m",
           "Its tip beyond that of arm.urdf, along the pen, as far as is known; null: 0.");
   f.field("radius", s.radius, {1e-5, 0.05}, "m",
           "Radius of its tip; null: control.tip.radius, in the simulated world world.tip.radius.");
@@ -276,11 +276,11 @@ void describe(Fields& f, ToolSettings& s) {
            "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
            "foam. engraver: a turning cone that cuts grooves. blade: an edge that is led along the "
            "lines. roller: a line across them that rolls.");
-  f.field("radius", s.radius, {5e-5, 0.1}, "m",
+  f.field("radius", s.radius, kPadRadiusRange, "m",
           "Radius of the pad, half the length of a blade's edge or of a roller; null: 15 mm, and "
           "for a blade as much as the force sinks into the believed material.");
   f.constant("foam_thickness", PadSettings().thickness, Range::any(), "m");
-  f.field("foam_stiffness", s.foam_stiffness, {1e4, 1e9}, "N/m³",
+  f.field("foam_stiffness", s.foam_stiffness, kFoamStiffnessRange, "N/m³",
           "Pressure of the foam per compression.");
   f.constant("foam_damping", PadSettings().damping, Range::any(), "N s/m³");
   f.field("depth", s.depth, {1e-4, 2e-3}, "m", "Depth of the engraver's groove below the surface.");

@@ -6,14 +6,15 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/simulation/describe_world.h"
+
 namespace impedraw {
 namespace {
 
-constexpr double kAbove = 0.03;       // of the spot, where the way down begins [m]
-constexpr double kBeneath = 0.025;    // of the spot, where it ends without a touch [m]
-constexpr double kTurnRate = 0.5;     // of the pen's axis, at most [rad/s]
-constexpr double kLeast = 0.5;        // of a way [s]
-constexpr double kMostLonger = 0.02;  // of a tip, than that of arm.urdf; as pens.N.longer [m]
+constexpr double kAbove = 0.03;     // of the spot, where the way down begins [m]
+constexpr double kBeneath = 0.025;  // of the spot, where it ends without a touch [m]
+constexpr double kTurnRate = 0.5;   // of the pen's axis, at most [rad/s]
+constexpr double kLeast = 0.5;      // of a way [s]
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
@@ -162,7 +163,7 @@ Move PenChanges::found(const Situation& now) {
     remarks_.push_back(fmt::format("the tip of {} was found {:.2f} mm {} that of arm.urdf",
                                    name_of(in_.number), 1e3 * std::abs(in_.longer),
                                    in_.longer < 0.0 ? "short of" : "beyond"));
-    if (std::abs(in_.longer) > kMostLonger) wrong = remarks_.back() + ": is pen.spot right?";
+    if (!kPenLongerRange.holds(in_.longer)) wrong = remarks_.back() + ": is pen.spot right?";
   } else {
     in_.spot = s;
   }

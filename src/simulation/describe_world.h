@@ -9,6 +9,9 @@ namespace impedraw {
 inline constexpr Range kSpringStiffnessRange{100.0, 1e6};  // [Nm/rad]
 inline constexpr Range kSpringRotorRange{1e-4, 10.0};      // [kg m²]
 inline constexpr Range kTorqueLoopRange{0.0, 1e4};         // [rad/s]
+inline constexpr Range kPenLongerRange{-0.02, 0.02};       // of a tip, than in arm.urdf [m]
+inline constexpr Range kPadRadiusRange{5e-5, 0.1};         // [m]
+inline constexpr Range kFoamStiffnessRange{1e4, 1e9};      // [N/m³]
 
 template <class F>
 void describe(F& f, TipMaterial& s) {
@@ -50,9 +53,9 @@ void describe(F& f, ModelErrors& s) {
           "Resolution of the joint torques; 0: continuous.");
   f.field("loop_delay", s.loop_delay, {0.0, 0.015}, "s",
           "Delay after which a commanded torque acts.");
-  f.field("pen_longer", s.pen_longer, {-0.02, 0.02}, "m",
+  f.field("pen_longer", s.pen_longer, kPenLongerRange, "m",
           "Length of the true pen beyond the modelled one.");
-  f.field("pens_longer", s.pens_longer, {-0.02, 0.02}, "m",
+  f.field("pens_longer", s.pens_longer, kPenLongerRange, "m",
           "The same of each of pens, in order, beyond its `longer`; beyond the list's end "
           "pen_longer.");
 }

@@ -39,10 +39,10 @@ WrenchSensorSettings WrenchSensorSettings::realistic() {
 void require_valid(const WorldSettings& s) {
   require_ranges("world", s);
   if (!s.pad) return;
-  require_in_range("tool.radius", s.pad->radius, {5e-5, 0.1}, "m");
+  require_in_range("tool.radius", s.pad->radius, kPadRadiusRange, "m");
   require_in_range("tool.thickness", s.pad->thickness, {1e-3, 0.1}, "m");
   if (s.pad->face != PadFace::disc) return;
-  require_in_range("tool.stiffness", s.pad->stiffness, {1e4, 1e9}, "N/m³");
+  require_in_range("tool.stiffness", s.pad->stiffness, kFoamStiffnessRange, "N/m³");
   require_in_range("tool.damping", s.pad->damping, {0.0, 1e6}, "N s/m³");
 }
 
