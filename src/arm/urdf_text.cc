@@ -15,6 +15,8 @@ namespace {
 constexpr std::size_t kLargest = 4'000'000;  // [bytes]
 constexpr std::size_t kDeepest = 16;
 constexpr int kMostElements = 20'000;
+// A constant of xacro, which some leave in what they ship: nothing reads it.
+constexpr std::string_view kUnread = "xacro:property";
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool is_name(char c) {
@@ -61,6 +63,13 @@ class Scan {
   [[noreturn]] void fail(const std::string& what) const {
     const auto line = 1 + std::count(all_.begin(), all_.end() - text_.size(), '\n');
     throw InputError(fmt::format("arm description {}: line {}: {}", name_, line, what));
+  }
+
+  [[noreturn]] void not_expanded(std::string_view what) const {
+    fail(
+        fmt::format("{} is xacro, which a URDF is made from; valid is what xacro makes of it: "
+                    "xacro {} > arm.urdf",
+                    what, name_));
   }
 
   void characters() {
@@ -119,11 +128,11 @@ class Scan {
         return;
       }
       if (!separated) fail(fmt::format("not valid XML: <{} does not end", name));
-      attribute();
+      attribute(name);
     }
   }
 
-  void attribute() {
+  void attribute(std::string_view element) {
     const std::string_view name = take_name();
     skip_blanks();
     if (!text_.starts_with('=')) fail(fmt::format("not valid XML: {} has no value", name));
@@ -134,8 +143,11 @@ class Scan {
         quote == '"' || quote == '\'' ? text_.find(quote, 1) : std::string_view::npos;
     if (end == std::string_view::npos)
       fail(fmt::format("not valid XML: the value of {} must be in quotes", name));
-    if (text_.substr(0, end).find('<') != std::string_view::npos)
+    const std::string_view value = text_.substr(0, end);
+    if (value.find('<') != std::string_view::npos)
       fail(fmt::format("not valid XML: '<' in the value of {}", name));
+    if (element != kUnread && value.find("${") != std::string_view::npos)
+      not_expanded(fmt::format("the value of {}", name));
     text_.remove_prefix(end + 1);
   }
 
@@ -145,6 +157,7 @@ class Scan {
       if (name != "robot")
         fail(fmt::format("the root element is <{}>, must be <robot>: not a URDF", name));
     }
+    if (name.starts_with("xacro:") && name != kUnread) not_expanded(fmt::format("<{}>", name));
     if (name == "include") fail("<include> is not read; the whole arm must be in one file");
     if (!open_.empty() && open_.back() == "mujoco" && name != "compiler")
       fail(fmt::format("<{}> in <mujoco>; only <compiler> is read there", name));

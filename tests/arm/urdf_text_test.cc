@@ -46,6 +46,11 @@ TEST(UrdfText, OnlyRobots) {
               HasSubstr("line 1: the root element is <mujoco>, must be <robot>"));
   EXPECT_THAT(refusal("<robot>\n<include file='/dev/zero'/></robot>"),
               HasSubstr("line 2: <include> is not read"));
+  EXPECT_THAT(refusal("<robot>\n<xacro:arm prefix='a'/></robot>"),
+              HasSubstr("line 2: <xacro:arm> is xacro"));
+  EXPECT_EQ(refusal("<robot><xacro:property name='m' value='${2 * 3}'/></robot>"), "accepted");
+  EXPECT_THAT(refusal("<robot><mass value='${m}'/></robot>"),
+              HasSubstr("the value of value is xacro"));
   EXPECT_THAT(refusal("<robot><mujoco><size memory='100T'/></mujoco></robot>"),
               HasSubstr("<size> in <mujoco>"));
   EXPECT_THAT(refusal("<robot/><mujoco/>"), HasSubstr("a second root element, <mujoco>"));
