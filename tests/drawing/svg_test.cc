@@ -178,6 +178,25 @@ TEST(Svg, QuarterMillimetres) {
   EXPECT_NEAR(lines::length(only(stroked("<path d='M0 0 Q 5 0 10 0'/>"))), 10, 1e-3);
 }
 
+// A style's transform has units and functions that the attribute has not; CSS Transforms Level 1.
+TEST(Svg, TransformsOfCss) {
+  const auto drawn = [](const std::string& style) {
+    return only(stroked("<line x1='10' y1='0' x2='10' y2='5' style='" + style + "'/>"));
+  };
+  expect_points(drawn("fill:none; transform: translate(20px, 1in) rotate(0.25turn)"),
+                {{20, 106}, {15, 106}}, 1e-3);
+  expect_points(drawn("transform:translateX(3px)scaleY(2);stroke:red"), {{13, 0}, {13, 10}}, 1e-3);
+  expect_points(drawn("transform-origin:10px 5px;transform:rotate(100grad)"), {{15, 5}, {10, 5}},
+                1e-3);
+  for (const char* sheet : {"<style>.a{fill:none;transform:translate(7px)}</style>",
+                            "<style><![CDATA[.b{x:y}.a{transform: translateX( 7px );}]]></style>"})
+    expect_points(
+        only(stroked(sheet + std::string("<line class='a' x1='1' y1='2' x2='3' y2='4'/>"))),
+        {{8, 2}, {10, 4}}, 1e-3);
+  // What no attribute can say is told.
+  EXPECT_FALSE(stroked("<line x2='9' y2='9' style='transform:translate(50%)'/>").warnings.empty());
+}
+
 // As Fabric.js writes them. A browser passes over the declaration alone.
 TEST(Svg, ADeclarationWithoutAValueCostsNoOther) {
   const Artwork a = on_mm_page(

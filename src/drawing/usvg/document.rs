@@ -1,5 +1,6 @@
 //! Prepares the document for usvg: character encoding, numbers, layers.
 
+use crate::transforms;
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -134,13 +135,15 @@ fn fault_of(name: &str, value: &str) -> Option<String> {
 }
 
 /// Puts into usvg's words what it does not know: lengths in quarter-millimetres (40Q, a CSS unit),
-/// and declarations without a value, behind which it would read none. None: the document has none.
+/// transforms of CSS, and declarations without a value, behind which it would read none. None: the
+/// document has none.
 pub fn in_known_words(text: &str, xml: &Document) -> Option<String> {
     let mut inserts = Vec::new();
     for attribute in xml.descendants().flat_map(|n| n.attributes()).filter(|a| a.namespace().is_none()) {
         if attribute.name() == "style" {
             let has_value = |part: &&str| part.split_once(':').is_none_or(|(_, value)| !value.trim().is_empty());
             let kept = attribute.value().split(';').filter(has_value).collect::<Vec<_>>().join(";");
+            let kept = transforms::rewritten(&kept);
             let within = attribute.range_value();
             if kept != attribute.value() && text.get(within.clone()) == Some(attribute.value()) {
                 inserts.push((within, kept));
@@ -155,9 +158,19 @@ pub fn in_known_words(text: &str, xml: &Document) -> Option<String> {
             inserts.push((within, format!("{:e}mm", quarters / 4.0)));
         }
     }
+    for sheet in xml.descendants().filter(|n| n.is_text() && n.parent().is_some_and(|p| p.tag_name().name() == "style")) {
+        let css = sheet.text().unwrap_or_default();
+        let plain = transforms::rewritten(css);
+        let within = sheet.range();
+        // An entity's or a CDATA section's text stands elsewhere, or is longer in the document.
+        if let (true, Some(at)) = (plain != css, text.get(within.clone()).and_then(|all| all.find(css))) {
+            inserts.push((within.start + at..within.start + at + css.len(), plain));
+        }
+    }
     if inserts.is_empty() {
         return None;
     }
+    inserts.sort_by_key(|(at, _)| at.start);
     Some(spliced(text, inserts))
 }
 

@@ -7,6 +7,7 @@
 //! paints.rs      colours and gradients
 //! servers.rs     what patterns and gradients draw
 //! texts.rs       fonts and letters
+//! transforms.rs  transforms of CSS
 //! references.rs  what the document refers to and does not hold
 //! font.rs        SVG 1.1 fonts
 //! complaints.rs  usvg's messages
@@ -21,6 +22,7 @@ mod paints;
 mod references;
 mod servers;
 mod texts;
+mod transforms;
 
 use outlines::{Outlines, SvgClip, SvgPath};
 use std::ffi::{c_char, CString};
