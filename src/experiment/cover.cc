@@ -67,8 +67,7 @@ std::vector<char> region_of(const Scenario& s, const SurfaceGrid& g, const Pose&
 }
 
 Eigen::AlignedBox2d extent_of(const Scenario& s, const Belief& belief, const Pose& X_WP) {
-  const auto& points =
-      belief.perception ? belief.perception->cloud().points : belief.obstacle->mesh().vertices;
+  const auto& points = belief.perception->cloud().points;
   const Pose X_PW = X_WP.inverse();
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector3d& p_W : points) box.extend((X_PW * p_W).head<2>());
@@ -163,17 +162,19 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
 
 CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
                      const SettingErrors& errors, const std::function<void(double)>& progress) {
+  if (!belief.perception)
+    errors.raise({"perception.enabled"},
+                 "perception.enabled is false: the lines of cover lie on what the cameras saw; "
+                 "valid is true");
   const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);
   if (!pad) errors.raise({"tool.kind"}, "tool.kind: only a pad covers an area; valid is pad");
   const Eigen::AlignedBox2d box = extent_of(s, belief, X_WP);
   const double step =
       std::max({1e-3, pad->radius / 10.0, std::sqrt(box.sizes().prod() / kMostVertices)});
   CoverPlan plan;
-  const SurfaceHeight height =
-      belief.perception ? perceived_height(belief.perception, X_WP) : belief.surface;
-  plan.grid = sample_surface(height, box, step, s.preflight.max_slope_deg, progress);
-  if (belief.perception)
-    know_between_points(belief.perception->cloud(), s.perception.voxel, X_WP.inverse(), &plan.grid);
+  plan.grid = sample_surface(perceived_height(belief.perception, X_WP), box, step,
+                             s.preflight.max_slope_deg, progress);
+  know_between_points(belief.perception->cloud(), s.perception.voxel, X_WP.inverse(), &plan.grid);
   plan.wish.footprint = footprint_of(*pad);
   plan.wish.spacing = 2.0 * pad->radius * (1.0 - s.cover.overlap);
   plan.wish.direction_deg = s.cover.direction_deg;

@@ -157,6 +157,7 @@ TEST_F(Cover, NamesBadInput) {
   refuses("--set tool.kind=roller", "tool.kind");
   refuses("--set ''", "a value is missing");
   refuses("--set tool.kind=pen", "tool.kind is pen");
+  refuses("--set perception.enabled=false", "perception.enabled is false");
   refuses(window("1") + " --set drawing.placement.centre=[1.5,0]", "lies off the canvas");
   refuses(window("0.3"), "fits nowhere in cover.region");
   refuses("--set tool.foam_stiffness=1e8", "touches with a part of its face only");
