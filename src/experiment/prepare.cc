@@ -84,20 +84,19 @@ PreparedPlan prepare_plan(const Scenario& given, const Places& places, Unreachab
   const auto ordering = [&](double share) {
     if (progress) progress("ordering the strokes", 0.05 + 0.15 * share);
   };
-  const bool again = hatches_surface(scenario.drawing);
-  DrawingSettings drawing = scenario.drawing;
-  if (again) drawing.keep_order = true;  // the first look, without a surface, is for errors
-  PlacedArtwork artwork = load_artwork(drawing, setting_errors, ordering);
-  give_forces(scenario, setting_errors, &artwork);
+  PlacedArtwork artwork;
+  const auto load = [&](const SurfaceHeight* surface) {
+    artwork = load_artwork(scenario.drawing, setting_errors, ordering, surface);
+    give_forces(scenario, setting_errors, &artwork);
+  };
+  const bool hatched_on_surface = hatches_surface(scenario.drawing);
+  if (!hatched_on_surface) load(nullptr);
   if (progress) progress("looking at the canvas", 0.2);
-  Scene scene = scenes ? scenes->take(scenario, artwork.X_WP, setting_errors)
-                       : build_scene(scenario, artwork.X_WP, setting_errors);
+  const Pose X_WP = drawing_frame(scenario.drawing);
+  Scene scene = scenes ? scenes->take(scenario, X_WP, setting_errors)
+                       : build_scene(scenario, X_WP, setting_errors);
   try {
-    if (again) {
-      const SurfaceHeight* known = scene.belief.height_unknown() ? nullptr : &scene.belief.surface;
-      artwork = load_artwork(scenario.drawing, setting_errors, ordering, known);
-      give_forces(scenario, setting_errors, &artwork);
-    }
+    if (hatched_on_surface) load(scene.belief.height_unknown() ? nullptr : &scene.belief.surface);
     std::shared_future<Distortion> projected;
     if (summary == PlanSummary::beside) projected = distortion_beside(artwork, scene.belief);
     Plan plan = make_plan(scenario, artwork, scene.belief, unreachable, setting_errors, progress);
