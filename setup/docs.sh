@@ -51,6 +51,8 @@ fi
 
 if is_built impedraw; then
   "$docs_venv/bin/python" setup/command_line_page.py $check "$out/src/app/impedraw" docs/command-line.md || exit 1
+else
+  say "docs/command-line.md is left as it is: the program is not built"
 fi
 "$docs_venv/bin/python" setup/check_links.py || exit 1
 

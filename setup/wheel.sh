@@ -68,10 +68,13 @@ sed -n 's/^made //p' "$root/build/wheel.log"
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-# The package's tests with the interpreter of a venv. Nothing of the source tree: neither its program, nor its package.
+# The package's tests with the interpreter of a venv. Nothing of the source tree: neither its program, nor its package. Within ./check, where
+# python_test has run all of them, only those that a package could fail.
 run_tests() {
+  local tests=(python)
+  [[ -z ${IMPEDRAW_WHEEL_BUILT-} || ${IMPEDRAW_LONG-} ]] || tests=(python/test_run.py python/test_records.py python/test_examples.py)
   cp -r "$root/tests/python" "$root/python/examples" "$scratch"
-  ( cd "$scratch" && env -u PYTHONPATH -u IMPEDRAW_PROGRAM "$1/bin/python" -m pytest -q -p no:cacheprovider --tb=short python )
+  ( cd "$scratch" && env -u PYTHONPATH -u IMPEDRAW_PROGRAM "$1/bin/python" -m pytest -q -p no:cacheprovider --tb=short "${tests[@]}" )
 }
 case ${task-} in
   --test) ;;
