@@ -168,7 +168,7 @@ follow_apt() {
 
 # A venv contains its own path, so the stamp does too.
 wheels_stamp() { echo "$venv"; cat "$root/requirements.txt"; }
-has_wheels() { [[ -x $venv/bin/python && -r $venv/.requirements && $(<"$venv/.requirements") == "$(wheels_stamp)" ]]; }
+has_wheels() { [[ -x $venv/bin/python && -e $venv/lib/python3 && -r $venv/.requirements && $(<"$venv/.requirements") == "$(wheels_stamp)" ]]; }
 
 install_wheels() {
   local python=/usr/bin/python3 wheels
@@ -187,6 +187,8 @@ install_wheels() {
   "$venv/bin/python" -m pip install --require-hashes --no-deps --only-binary :all: --no-compile --no-input --disable-pip-version-check -r "$root/requirements.txt" 2>&1 |
     follow_pip "$wheels" || fail "the Python wheels could not be installed" "pip follows PIP_* of the environment, and needs the network this once"
   rm -f "$out/CMakeCache.txt" "$out"/.built-*
+  # Scenarios and studies name files of these wheels, whichever Python the system has.
+  ln -sfn "$("$venv/bin/python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')" "$venv/lib/python3"
   wheels_stamp >"$venv/.requirements"
   say "installed $wheels Python wheels ($SECONDS s so far)"
 }
