@@ -79,7 +79,7 @@ NamedMesh named_mesh(const std::filesystem::path& name) {
 // Keeps the triangles that have two corners of the colour, or three.
 void keep_painted(const PolygonMesh& polygons, const Eigen::Vector3d& colour,
                   const std::string& name, TriangleMesh* mesh) {
-  constexpr double kAlike = 0.1;  // of each channel
+  constexpr double kSameColour = 0.1;  // of each channel
   if (polygons.colours.size() != mesh->vertices.size())
     throw InputError(name +
                      ": its vertices have no colours; valid is a .ply with red, green and "
@@ -92,7 +92,7 @@ void keep_painted(const PolygonMesh& polygons, const Eigen::Vector3d& colour,
   };
   std::erase_if(mesh->triangles, [&](const Eigen::Vector3i& t) {
     return std::ranges::count_if(
-               t, [&](int v) { return (of(v) - colour).cwiseAbs().maxCoeff() <= kAlike; }) < 2;
+               t, [&](int v) { return (of(v) - colour).cwiseAbs().maxCoeff() <= kSameColour; }) < 2;
   });
   if (!mesh->triangles.empty()) return;
   std::map<std::string, std::size_t> others;  // of the faces' corners

@@ -68,9 +68,9 @@ void join_neighbours(MeshTopology& topology) {
 // no sense to the normals beside it. Its normal becomes zero: it is passed over, as its neighbours
 // cover it.
 void pass_over_folds(MeshTopology& topology) {
-  constexpr double kThin = 0.05;                // height, as a share of the longest side
-  constexpr double kHighest = 2e-4;             // [m]
-  constexpr double kBack = -0.5, kAlike = 0.5;  // cosines of normals
+  constexpr double kThin = 0.05;                   // height, as a share of the longest side
+  constexpr double kHighest = 2e-4;                // [m]
+  constexpr double kBack = -0.5, kParallel = 0.5;  // cosines of normals
   std::vector<MeshTopology::Face*> folds;
   for (MeshTopology::Face& face : topology.faces) {
     std::array<double, 3> side;
@@ -84,7 +84,7 @@ void pass_over_folds(MeshTopology& topology) {
     const int a = face.neighbour[longest], b = face.neighbour[3 - longest - shortest];
     if (a < 0 || b < 0) continue;
     const Eigen::Vector3d &n_a = topology.faces[a].normal, &n_b = topology.faces[b].normal;
-    if (face.normal.dot(n_a) < kBack && face.normal.dot(n_b) < kBack && n_a.dot(n_b) > kAlike)
+    if (face.normal.dot(n_a) < kBack && face.normal.dot(n_b) < kBack && n_a.dot(n_b) > kParallel)
       folds.push_back(&face);
   }
   for (MeshTopology::Face* fold : folds) fold->normal.setZero();

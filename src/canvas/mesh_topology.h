@@ -16,8 +16,8 @@ namespace impedraw {
 // Union and find over the numbers 0 … size − 1.
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), 0);
+  explicit DisjointSets(std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i) parent_.push_back(static_cast<int>(i));
   }
   int find(int i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];

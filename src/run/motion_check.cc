@@ -103,12 +103,12 @@ std::string SpeedsBesidePositions::update(const MotionReading& now, const Motion
 
 ReadingsThatStand::ReadingsThatStand(int joints)
     : still_{JointVector::Zero(joints), JointVector::Zero(joints)},
-      steady_(still_),
-      beside_(still_.time),
+      steady_{JointVector::Zero(joints), JointVector::Zero(joints)},
+      beside_(JointVector::Zero(joints)),
       grain_(JointVector::Constant(joints, std::numeric_limits<double>::infinity())),
-      stopped_(beside_),
-      torque_(beside_),
-      external_(beside_) {
+      stopped_(JointVector::Zero(joints)),
+      torque_(JointVector::Zero(joints)),
+      external_(JointVector::Zero(joints)) {
   speeds_.fill(beside_);
 }
 
