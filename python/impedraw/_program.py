@@ -43,13 +43,17 @@ _EXTRAS = {
 }
 
 
-def _in_python(command: str, arguments: list[str]) -> int:
-    extra, modules = _EXTRAS[command]
+def _part(command: str, extra: str, modules: tuple[str, ...]):
     lacking = [n for n in modules if importlib.util.find_spec(n) is None]
     if lacking:
         print(f"impedraw: {command} needs {', '.join(lacking)}: pip install 'impedraw[{extra}]'", file=sys.stderr)
-        return 2
-    main = importlib.import_module(f"impedraw.{extra}.__main__").main
+        sys.exit(2)
+    return importlib.import_module(f"impedraw.{extra}.__main__")
+
+
+def _in_python(command: str, arguments: list[str]) -> int:
+    extra, modules = _EXTRAS[command]
+    main = _part(command, extra, modules).main
     first = ["--root", str(_DATA), "--program", os.path.abspath(sys.argv[0])] if command == "sweep" else [command]
     return int(main([*first, *arguments]))
 
@@ -93,6 +97,8 @@ def main() -> int:
     given = [word if before == "--text" else found(word) for before, word in zip(["", *words], words)]
     if first in _EXTRAS:
         return _in_python(first, given[1:])
+    if first in ("draw", "plan", "place") and any(word.partition("=")[0] == "--image" for word in given):
+        given = _part("--image", *_EXTRAS["image"]).as_strokes(given)
     # As for a program: the library has its own handlers while an arm moves.
     for name in (signal.SIGINT, signal.SIGPIPE):
         signal.signal(name, signal.SIG_DFL)

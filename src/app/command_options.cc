@@ -72,6 +72,7 @@ CLI::App* add_draw(CLI::App& app, Call& call) {
       "drawing.placement.fit_radius=0.12\n"
       "  ./impedraw draw --shape M --no-perception --out /tmp/m-blind\n"
       "  ./impedraw draw --svg flower.svg --resume      # after ctrl-C: continues the run\n"
+      "  ./impedraw draw --image portrait.jpg           # by lines that show its tone\n"
       "  ./impedraw draw --text Hi --live --pace 1      # watch it in real time");
   command->callback([&call] {
     call.code = draw(with_commissioning(call.options, call.commissioned), call.live, call.table);

@@ -15,6 +15,12 @@ bool is_artwork_file(const std::filesystem::path& file) {
 
 Artwork read_artwork(const std::filesystem::path& file, const SvgSettings& settings,
                      PageUnit unit) {
+  const std::string extension = lower_extension(file);
+  if (extension == ".png" || extension == ".jpg" || extension == ".jpeg")
+    throw InputError(
+        fmt::format("{}: a picture; --image in place of --svg draws it by lines that "
+                    "show its tone",
+                    file.string()));
   if (!is_artwork_file(file)) {
     throw InputError(fmt::format("{}: not a kind of artwork; valid are .svg, .txt, .strokes, .csv",
                                  file.string()));

@@ -87,3 +87,18 @@ def test_a_curve_of_known_centre_line_is_one_stroke():
         assert len(strokes) == 1
         assert cKDTree(line).query(strokes[0][0] / 3)[0].max() < 0.5
         assert abs(np.median(strokes[0][1]) / 3 - width) < 0.5
+
+
+def test_draws_an_image_by_its_lines(tmp_path, monkeypatch):
+    from impedraw.image.__main__ import as_strokes
+
+    monkeypatch.chdir(tmp_path)
+    Image.open(PORTRAIT).resize((64, 64)).save(tmp_path / "a.png")
+    words = as_strokes(["plan", "--image=a.png", "--text-like", "x", "--style", "hatch", "--size", "40", "--out", "o"])
+    assert words == ["plan", "--text-like", "x", "--out", "o", "--svg", "runs/pictures/a-hatch.csv"]
+    rows = (tmp_path / words[-1]).read_text().splitlines()
+    assert rows[0] == "x,y,stroke" and len(rows) > 20
+    assert max(float(row.split(",")[0]) for row in rows[1:]) < 40
+    with pytest.raises(SystemExit) as refused:
+        as_strokes(["draw", "--image", "none.png"])
+    assert refused.value.code == 2

@@ -1,11 +1,12 @@
-"""The command ``impedraw image``, which the program also calls for ``--image`` and ``--trace``."""
+"""The command ``impedraw image``, and ``--image`` of draw, plan and place."""
 
 from __future__ import annotations
 
 import argparse
-import json
+import os
 import pathlib
 import resource
+import subprocess
 import sys
 import time
 
@@ -16,7 +17,6 @@ from .picture import Refused, read_tone
 
 MOST_MEMORY = 2_000_000_000  # [bytes] of data
 LONGEST = 2400  # the sides of a scan that is traced [pixels]
-FINEST = 2000  # the longer side of an area of an SVG that is traced [pixels]
 
 
 class Progress:
@@ -35,21 +35,6 @@ class Progress:
             print("\r\033[K", end="", file=sys.stderr, flush=True)
 
 
-def traced_areas(text: str, progress: Progress) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Of areas in JSON: [{"even_odd": …, "outlines": [[[x, y], …], …]}, …]."""
-    strokes, areas = [], json.loads(text)
-    for index, area in enumerate(areas):
-        outlines = [np.array(o, float) for o in area["outlines"] if len(o) > 2]
-        span = max((np.ptp(np.vstack(outlines), axis=0)), default=0.0) if outlines else 0.0
-        if span <= 0:
-            continue
-        scale = FINEST / span
-        inside, low = trace.filled(outlines, area["even_odd"], scale)
-        strokes += [(points / scale + low, widths / scale) for points, widths in trace.centre_lines(inside)]
-        progress((index + 1) / len(areas))
-    return strokes
-
-
 def rows_of(strokes: list[tuple[np.ndarray, np.ndarray | None]]) -> str:
     widths = any(w is not None for _, w in strokes)
     rows = ["x,y,stroke,width" if widths else "x,y,stroke"]
@@ -63,9 +48,6 @@ def rows_of(strokes: list[tuple[np.ndarray, np.ndarray | None]]) -> str:
 
 def drawn(options: argparse.Namespace, progress: Progress) -> tuple[list, str]:
     """Strokes [mm], and a sentence about them."""
-    if options.areas:
-        strokes = traced_areas(options.picture.read_text(), progress)
-        return strokes, f"{len(strokes)} centre lines"
     # Four pixels to the pen's width would be more than it can show; fewer than 256 would be too coarse.
     per_mm = 1.6 / options.pen
     longest = LONGEST if options.style == "trace" else int(np.clip(per_mm * options.size, 256, 1400))
@@ -92,19 +74,39 @@ def drawn(options: argparse.Namespace, progress: Progress) -> tuple[list, str]:
     return [(line * mm, None) for line in lines], f"{options.style}, {len(lines)} lines, tone correlates {likeness:.3f} with the picture's"
 
 
-def main(arguments: list[str] | None = None) -> int:
-    words = list(sys.argv[1:] if arguments is None else arguments)
-    parser = argparse.ArgumentParser(prog="impedraw image", description="Makes strokes of a picture: a file that draw, plan, place and inspect take as --svg.")
-    parser.add_argument("picture", type=pathlib.Path, help="a PNG or JPEG")
+def add_styles(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--style", choices=[*tones.STYLES, "trace"], default="stipple", help="how lines show tone; trace: the centre lines of a drawing")
     parser.add_argument("--size", type=float, default=180.0, help="the longer side of the page [mm]")
     parser.add_argument("--pen", type=float, default=0.5, help="width of the line [mm]")
     parser.add_argument("--points", type=int, default=5000, help="of stipple")
     parser.add_argument("--angle", type=float, default=45.0, help="of hatch and cross-hatch [degrees]")
+
+
+def as_strokes(words: list[str]) -> list[str]:
+    """The arguments of draw, plan or place with the lines of ``--image F`` as their ``--svg``: runs/pictures/F-STYLE.csv."""
+    parser = argparse.ArgumentParser(prog=f"impedraw {words[0]}", add_help=False, allow_abbrev=False)
+    parser.add_argument("--image", type=pathlib.Path, required=True)
+    add_styles(parser)
+    options, others = parser.parse_known_args(words[1:])
+    lines = pathlib.Path("runs/pictures") / f"{options.image.stem}-{options.style}.csv"
+    lines.parent.mkdir(parents=True, exist_ok=True)
+    styles = [f"--{name}={getattr(options, name)}" for name in ("style", "size", "pen", "points", "angle")]
+    # A process of its own: its limit of memory is not the drawing's.
+    if code := subprocess.run([sys.executable, "-P", "-m", "impedraw.image", str(options.image), *styles, "--out", str(lines)]).returncode:
+        sys.exit(code)
+    return [words[0], *others, "--svg", str(lines)]
+
+
+def main(arguments: list[str] | None = None) -> int:
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if words[:1] == ["--then"]:
+        os.execv(words[1], [words[1], *as_strokes(words[2:])])
+    parser = argparse.ArgumentParser(prog="impedraw image", description="Makes strokes of a picture: a file that draw, plan, place and inspect take as --svg.")
+    parser.add_argument("picture", type=pathlib.Path, help="a PNG or JPEG")
+    add_styles(parser)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=pathlib.Path, required=True, help="the file of strokes, .csv")
     parser.add_argument("--name", help=argparse.SUPPRESS)  # of the picture, in messages
-    parser.add_argument("--areas", action="store_true", help=argparse.SUPPRESS)  # the file holds areas to trace
     options = parser.parse_args(words[1:] if words[:1] == ["image"] else words)
     name, progress = options.name or str(options.picture), Progress("lines of the picture")
     resource.setrlimit(resource.RLIMIT_DATA, (MOST_MEMORY, MOST_MEMORY))

@@ -29,25 +29,6 @@ def ink_of(tone: np.ndarray, times: int) -> np.ndarray:
     return remove_small_objects(level > threshold_otsu(level), max_size=4 * times**2)
 
 
-def filled(outlines: list[np.ndarray], even_odd: bool, scale: float) -> tuple[np.ndarray, np.ndarray]:
-    """The area within closed outlines, by pixels' centres, and the place of the first pixel's corner. Winding numbers are summed along rows."""
-    low = np.min([o.min(0) for o in outlines], axis=0) - 3 / scale
-    high = np.max([o.max(0) for o in outlines], axis=0) + 3 / scale
-    width, height = np.ceil((high - low) * scale).astype(int)
-    winding = np.zeros((height, width + 1), np.int32)
-    for outline in outlines:
-        a = (outline - low) * scale - 0.5
-        for (x0, y0), (x1, y1) in zip(a, np.roll(a, -1, 0)):
-            if y0 == y1:
-                continue
-            sign, (xa, ya, xb, yb) = (1, (x0, y0, x1, y1)) if y1 > y0 else (-1, (x1, y1, x0, y0))
-            rows = np.arange(math.ceil(ya), math.ceil(yb))
-            columns = np.ceil(xa + (rows - ya) * (xb - xa) / (yb - ya)).astype(int)
-            np.add.at(winding, (rows, columns), sign)
-    winding = np.cumsum(winding, axis=1)[:, :-1]
-    return (winding % 2 if even_odd else winding) != 0, low
-
-
 def _neighbours(mask: np.ndarray) -> dict[Point, list[Point]]:
     """Of each pixel of a skeleton; over a corner only where no pixel beside it leads there."""
     pixels = set(zip(*(k.tolist() for k in np.nonzero(mask))))
