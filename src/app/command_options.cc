@@ -129,11 +129,13 @@ CLI::App* add_plan(CLI::App& app, Call& call) {
 // Options that place the drawing, of a command that plans.
 void add_placing(CLI::App* command, Call& call) {
   command
-      ->add_option("--place", call.options.place,
-                   "where canvas and drawing are: fixed, as the scenario says; auto, both "
-                   "moved to where the arm reaches best; surface, the drawing moved on the "
-                   "canvas to where most of it can be drawn (default: fixed, but auto where "
-                   "arm.urdf cannot draw there and the scenario places neither)")
+      ->add_option(
+          "--place", call.options.place,
+          "where canvas and drawing are: fixed, as the scenario says; auto, both "
+          "moved to where the arm reaches best, or as surface where not all of it can be drawn "
+          "there; surface, the drawing moved on the canvas to where most of it can be "
+          "drawn (default: fixed, but auto where "
+          "arm.urdf cannot draw there and the scenario places neither)")
       ->check(CLI::IsMember({"fixed", "auto", "surface"}));
   command->add_option("--near", call.options.surface.near,
                       "with --place surface: near x,y,z (in m), or on the canvas's front (+x), "

@@ -24,6 +24,9 @@
 namespace impedraw {
 namespace {
 
+// A drawing of which so much can be drawn elsewhere on the object is moved there.
+constexpr double kMost = 0.98;
+
 namespace fs = std::filesystem;
 
 fs::path folder_for(const DrawOptions& options, const Scenario& scenario) {
@@ -104,14 +107,14 @@ bool lies_out_of_reach(const Scenario& s, const Places& places) {
   }
 }
 
-Scenario placed_on_surface(const SurfaceWish& wish, const Scenario& scenario,
-                           const Places& places) {
-  SurfacePlace found;
-  {
-    ProgressLine line;
-    found = place_on_surface(scenario, places, wish,
-                             [&line](double share) { line.update("placing the drawing", share); });
-  }
+SurfacePlace found_on_surface(const SurfaceWish& wish, const Scenario& scenario,
+                              const Places& places) {
+  ProgressLine line;
+  return place_on_surface(scenario, places, wish,
+                          [&line](double share) { line.update("placing the drawing", share); });
+}
+
+Scenario placed_on_surface(const SurfacePlace& found) {
   say(stderr,
       "placed  the drawing's middle at ({:.3f}, {:.3f}, {:.3f}) m, turned by {:.0f}°, {:.0f} × "
       "{:.0f} mm: {:.1f} % of it can be drawn\n        again there:",
@@ -129,6 +132,13 @@ Scenario placed_with_canvas(const Scenario& scenario, const Places& places) {
     found = place_automatically(
         scenario, places, [&line](double share) { line.update("placing the canvas", share); });
   }
+  if (!found.passes) {  // elsewhere on the object it may be drawn
+    try {
+      const SurfacePlace elsewhere = found_on_surface({}, scenario, places);
+      if (elsewhere.share >= kMost) return placed_on_surface(elsewhere);
+    } catch (const InputError&) {  // there is no place for it
+    }
+  }
   const Eigen::Vector2d c = found.scenario.drawing.placement.centre_m;
   say(stderr,
       "placed  the canvas was moved, the drawing's centre to ({:.3f}, {:.3f}) m, turned by "
@@ -142,7 +152,8 @@ Scenario placed_with_canvas(const Scenario& scenario, const Places& places) {
 }  // namespace
 
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places) {
-  if (options.place == "surface") return placed_on_surface(options.surface, scenario, places);
+  if (options.place == "surface")
+    return placed_on_surface(found_on_surface(options.surface, scenario, places));
   if (!options.surface.near.empty() || options.surface.shrink)
     throw InputError("--near and --shrink need --place surface");
   if (options.place == "auto") return placed_with_canvas(scenario, places);

@@ -96,19 +96,6 @@ struct Any {
   void sort() {}
 };
 
-struct Points {
-  const std::vector<Vector3d>* points;
-  std::size_t kdtree_get_point_count() const { return points->size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return (*points)[i][axis]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
-using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>,
-                                                   Points, 3, int>;
-
 // The points' order in the leaves, as the versions of nanoflann name it.
 template <class Tree>
 const auto& order_in(const Tree& tree) {
@@ -121,6 +108,17 @@ const auto& order_in(const Tree& tree) {
 }  // namespace
 
 struct NeighbourTree::Tree {
+  struct Points {
+    const std::vector<Vector3d>* points;
+    std::size_t kdtree_get_point_count() const { return points->size(); }
+    double kdtree_get_pt(std::size_t i, std::size_t axis) const { return (*points)[i][axis]; }
+    template <class Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
+  using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>,
+                                                     Points, 3, int>;
   Points points;
   KdTree kd;
   explicit Tree(const std::vector<Vector3d>& given) : points{&given}, kd(3, points, {kLeaf}) {}

@@ -4,10 +4,12 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <array>
 #include <chrono>
 #include <regex>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -241,6 +243,37 @@ TEST_F(CommandLine, PlanNamesACrease) {
     EXPECT_NEAR(part.at("world_m")[0].get<double>(), 0.6, 0.01) << "where the step is";
   }
   EXPECT_GT(creases, 0);
+}
+
+// A handle of 16 mm, in the middle of the whole, and a blade of 140 × 120 mm.
+TEST_F(CommandLine, WhatFitsNowhereInTheMiddleGoesElsewhereOnTheObject) {
+  std::string mesh;
+  int first = 1;
+  const auto box = [&](double x0, double x1, double y0, double y1, double top) {
+    for (const double x : {x0, x1})
+      for (const double y : {y0, y1})
+        for (const double z : {0.0, top}) mesh += fmt::format("v {} {} {}\n", x, y, z);
+    // Corners by bits: 4 for x, 2 for y, 1 for z.
+    for (const auto& [a, b, c, d] : {std::array{0, 1, 3, 2},
+                                     {4, 6, 7, 5},
+                                     {0, 4, 5, 1},
+                                     {2, 3, 7, 6},
+                                     {0, 2, 6, 4},
+                                     {1, 5, 7, 3}})
+      mesh +=
+          fmt::format("f {0} {1} {2}\nf {0} {2} {3}\n", first + a, first + b, first + c, first + d);
+    first += 8;
+  };
+  box(-0.008, 0.008, -0.2, 0.08, 0.02);
+  box(-0.07, 0.07, 0.08, 0.2, 0.03);
+  write("paddle.obj", mesh);
+  const Ended planned =
+      call({"plan", "--text", "Hello", "--place", "auto", "--set", "canvas.kind=mesh", "--set",
+            "canvas.mesh.file=paddle.obj", "--set", "canvas.move=[0.6, 0, 0.02]", "--set",
+            "drawing.placement.fit_radius=0.06"});
+  EXPECT_EQ(planned.code, 0);
+  EXPECT_THAT(planned.out, HasSubstr("all of it can be drawn"));
+  EXPECT_THAT(planned.err, HasSubstr("placed  the drawing's middle at"));
 }
 
 TEST_F(CommandLine, WrongOut) {

@@ -13,7 +13,10 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       const HersheyFont font = parse_jhf(input.rest(), "fuzz");
       for (char32_t letter = 0; letter < 0x180; ++letter) glyph_of(font, letter, U"\u0301\u0327");
     } else {
-      make_text({.text = std::string(input.rest()), .align = aligns[kind % 3]});
+      TextSettings text;
+      text.text = input.rest();
+      text.align = aligns[kind % 3];
+      make_text(text);
     }
   });
 }

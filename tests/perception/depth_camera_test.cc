@@ -167,7 +167,9 @@ TEST(RenderDepth, PixelsOfABoxHoldAllThatSeeIt) {
             << i << ' ' << j;
       }
     const int all = (part.right - part.left) * (part.bottom - part.top);
-    if (seeing > 0) EXPECT_LT(all, 4 * seeing + 2000) << k;
+    if (seeing > 0) {
+      EXPECT_LT(all, 4 * seeing + 2000) << k;
+    }
   }
   const PixelBox behind = pixels_of(camera, box, {{0, 0, 2}, Eigen::Matrix3d::Identity()});
   EXPECT_EQ(behind.right - behind.left, camera.width) << "not all of it is before the camera";

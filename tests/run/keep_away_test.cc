@@ -75,8 +75,11 @@ TEST(KeepAway, RetreatLeadsAwayOnly) {
     away.update(surface, Vector3d(0.0, 0.0, comes ? 0.3 : 0.0), 1e-3);
     EXPECT_GE(away.retreat().z(), 0.0) << i;
     most = std::max(most, away.retreat().z());
-    if (i == 499) EXPECT_GT(away.retreat().z(), 0.29);
-    if (i > 1000) EXPECT_EQ(away.retreat().norm(), 0.0) << i;
+    if (i == 499) {
+      EXPECT_GT(away.retreat().z(), 0.29);
+    } else if (i > 1000) {
+      EXPECT_EQ(away.retreat().norm(), 0.0) << i;
+    }
   }
   EXPECT_LT(away.of({}).v_WD.z(), 0.01) << "the reference of a pen at rest returns";
   EXPECT_LT(most, 0.4);

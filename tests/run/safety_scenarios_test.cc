@@ -179,7 +179,9 @@ TEST(Safety, TheLawHoldsJointsThatAreTooFast) {
     EXPECT_GE(f["contact_fraction"], 0.99);
     EXPECT_LE(f["touchdown_peak"], 8.0);
     EXPECT_LE(f["force_sd"], 0.5);
-    if (assignments.size() > 1) EXPECT_LE(f["joint_speed_share_max"], 1.1) << "2.4 before";
+    if (assignments.size() > 1) {
+      EXPECT_LE(f["joint_speed_share_max"], 1.1) << "2.4 before";
+    }
   }
 }
 

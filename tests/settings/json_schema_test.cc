@@ -27,7 +27,7 @@ TEST(JsonSchema, IsOfDraft2020AndClosed) {
 }
 
 TEST(JsonSchema, HasTypesRangesDefaultsAndUnits) {
-  const Json& force = at("/properties/push/properties/force");
+  const Json force = at("/properties/push/properties/force");
   EXPECT_EQ(force, Json::parse(R"({"type": "number", "minimum": 0, "maximum": 50, "default": 5,
                                    "description": "normal force asked for [N]"})"));
   EXPECT_EQ(at("/properties/seed/type"), "integer");
@@ -52,12 +52,12 @@ TEST(JsonSchema, MayBeNullWhereTheReaderTakesNull) {
 }
 
 TEST(JsonSchema, MarksFormerNamesAsDeprecated) {
-  const Json& old = at("/properties/push/properties/strength");
+  const Json old = at("/properties/push/properties/strength");
   EXPECT_EQ(old.at("deprecated"), true);
   EXPECT_EQ(old.at("maximum"), 50);
   EXPECT_FALSE(at("/properties/push/properties/force").contains("deprecated"));
   // YAML reads `true` as a truth value: both it and the word are the choice's.
-  const Json& sensor = at("/properties/push/properties/sensor/anyOf");
+  const Json sensor = at("/properties/push/properties/sensor/anyOf");
   EXPECT_EQ(sensor.at(0).at("enum"), Json({"none", true, "true"}));
   EXPECT_EQ(sensor.at(1).at("enum"), Json({"real"}));
   EXPECT_EQ(sensor.at(1).at("deprecated"), true);

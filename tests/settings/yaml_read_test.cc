@@ -235,11 +235,10 @@ TEST(YamlRead, RefusesWhatYamlWouldLetPass) {
   EXPECT_EQ(yaml_error("push:\n  force: 1\n  force: 2\n"), "s.yaml:3: push.force is given twice");
   EXPECT_EQ(yaml_error("seed: 1\npush: {}\nseed: 1\n"), "s.yaml:3: seed is given twice");
   EXPECT_EQ(yaml_error("[a, b]: 1"), "s.yaml:1: a key is not a word");
-  // These once were read without end.
-  EXPECT_EQ(yaml_error(","), "s.yaml:1: is not valid YAML: a value cannot begin like this");
-  EXPECT_EQ(yaml_error("# a comment\n, seed: 1"),
-            "s.yaml:2: is not valid YAML: a value cannot begin like this");
-  EXPECT_EQ(set_error("home=,"), "--set home=,: is not valid YAML: a value cannot begin like this");
+  // These once were read without end. Later versions of yaml-cpp say the rest themselves.
+  EXPECT_THAT(yaml_error(","), StartsWith("s.yaml:1: is not valid YAML: "));
+  EXPECT_THAT(yaml_error("# a comment\n, seed: 1"), StartsWith("s.yaml:2: is not valid YAML: "));
+  EXPECT_THAT(set_error("home=,"), StartsWith("--set home=,: is not valid YAML: "));
   EXPECT_EQ(yaml_error("seed: 1\n---\nseed: 2\n"), "s.yaml: holds more than one YAML document");
   EXPECT_THAT(yaml_error("seed: 1\nhome: [1, 2\n"), StartsWith("s.yaml:3: is not valid YAML: "));
   EXPECT_THAT(yaml_error("seed: 1\n\tpush: 2\n"), HasSubstr("is not valid YAML: "));
