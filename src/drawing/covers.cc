@@ -22,4 +22,43 @@ bool holds(const Outlines& region, const AlignedBox2d& box) {
   return winding != 0;
 }
 
+Outlines Covers::united(const RegionMath& math, const std::vector<int>& covers,
+                        std::optional<bool> inked, const AlignedBox2d& box) const {
+  Outlines all;
+  for (const int i : covers) {
+    if (inked && covers_[i].inked != *inked) continue;
+    const bool shown = inked && *inked && covers_[i].seen;
+    for (const auto& outline : shown ? *covers_[i].seen : covers_[i].region) {
+      if (outlines_box({outline}).intersects(box)) all.push_back(outline);
+    }
+  }
+  return all.empty() ? all : math.united(all);
+}
+
+void Covers::merge(const RegionMath& math, std::vector<int>& over) {
+  for (const bool inked : {false, true}) {
+    std::vector<int> members;
+    std::size_t points = 0, left = 0;
+    for (const int i : over) {
+      if (covers_[i].inked != inked || covers_[i].hides_from > 0) continue;
+      members.push_back(i);
+      for (const auto& outline : covers_[i].region) points += outline.size();
+    }
+    if (members.size() < kMerged) continue;
+    AlignedBox2d box;
+    for (const int i : members) box.extend(covers_[i].box);
+    Outlines all = united(math, members, {}, box);
+    for (const auto& outline : all) left += outline.size();
+    if (left > points / 2) continue;
+    std::optional<Outlines> seen;
+    if (std::any_of(members.begin(), members.end(), [&](int i) { return covers_[i].seen; }))
+      seen = united(math, members, true, box);
+    for (const int i : members) {
+      remove(i);
+      std::erase(over, i);
+    }
+    over.push_back(add({std::move(all), {}, inked, 0, 0, std::move(seen)}));
+  }
+}
+
 }  // namespace impedraw

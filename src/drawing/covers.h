@@ -60,15 +60,22 @@ class Covers {
 
   const Cover& operator[](int i) const { return covers_[i]; }
 
+  // The covers of the kind, united, as far as they reach into the box; of inked ones, what shows.
+  Outlines united(const RegionMath& math, const std::vector<int>& covers, std::optional<bool> inked,
+                  const Eigen::AlignedBox2d& box) const;
+  // Unites many covers of one place, unless they only lie beside each other.
+  void merge(const RegionMath& math, std::vector<int>& over);
+
+ private:
+  static constexpr int kCells = 64;           // along each side
+  static constexpr std::size_t kMerged = 24;  // covers that are united
+
   void remove(int i) {
     std::erase(large_, i);
     if (!is_large(covers_[i].box))
       each_cell(covers_[i].box, [&](std::vector<int>& cell) { std::erase(cell, i); });
     covers_[i] = {};
   }
-
- private:
-  static constexpr int kCells = 64;  // along each side
 
   bool is_large(const Eigen::AlignedBox2d& box) const {
     return (8 * box.sizes().array() > page_.sizes().array()).any();

@@ -332,7 +332,10 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
       left_out.off[group] += lines.size();
       continue;
     }
-    paint = {{}, area_of(lines, *path), fills, path->hides != 0, path->hides_from};
+    const bool veil = path->hides == 4;
+    paint = {{}, area_of(lines, *path), fills, path->hides != 0 && !veil, path->hides_from};
+    if (veil) paint.veil = path->alpha;
+    paint.fades = path->plain & 4;
     paint.clip = clip;
     paint.clears = path->hides == 3;
     paint.round = path->caps;

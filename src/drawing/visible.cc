@@ -12,7 +12,9 @@
 #include "impedraw/drawing/covers.h"
 #include "impedraw/drawing/dashes.h"
 #include "impedraw/drawing/line_pieces.h"
+#include "impedraw/drawing/looks.h"
 #include "impedraw/drawing/polyline.h"
+#include "impedraw/drawing/veils.h"
 
 namespace impedraw {
 namespace {
@@ -20,7 +22,6 @@ namespace {
 using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
 constexpr double kHair = 3e-6;           // width of a border, relative to the drawing's diagonal
-constexpr std::size_t kMerged = 24;      // covers over one paint that are united for the next ones
 constexpr double kCrossing = 1.0 / 300;  // of the diagonal: hidden by a stroke that it crosses
 constexpr double kSeam = 10;             // hairs beside a border that one colour has to fill
 constexpr std::size_t kMostCovering = 100'000;    // points of strokes that hide others
@@ -44,17 +45,18 @@ class Eye {
         crossing_(kCrossing * ink.diagonal().norm()),
         covers_(ink),
         covering_(ink),
+        veils_(hair_, crossing_),
         shown_(paints.size()) {
     for (const Paint& paint : paints) {
       beneath_.push_back(beneath_.empty() ? AlignedBox2d() : beneath_.back().merged(boxes_.back()));
       boxes_.push_back(outlines_box(paint.area.outlines).merged(bounds_of(paint.strokes)));
-      for (const Stroke& stroke : paint.strokes) colours_.insert(stroke.colour);
+      for (const Stroke& stroke : paint.strokes) colours_.insert(looks_.of(stroke.colour));
       cuts_ = cuts_ || paint.clip >= 0 || (paint.hides && !paint.inked);
     }
     bool any = false;
     for (std::size_t i = paints.size(); i-- > 0;) {
       if (paints[i].inked && !paints[i].area.outlines.empty())
-        first_area_ = i, filled_.insert(paints[i].area.colour);
+        first_area_ = i, filled_.insert(looks_.of(paints[i].area.colour));
       if (paints[i].strokes.empty()) continue;
       const std::uint32_t colour = paints[i].strokes.front().colour;
       if (any && colour != first_colour_) first_other_ = i + 1;
@@ -65,24 +67,11 @@ class Eye {
   Hidden look() {
     for (std::size_t i = paints_.size(); i-- > 0;) look_at(i);
     drop_seams();
+    for (auto& [index, edge] : veil_edges_) paints_[index].strokes.push_back(std::move(edge));
     return {std::max(0.0, hidden_), offset_ > kMostCovering || compared_ >= kMostCompared};
   }
 
  private:
-  // The covers of the kind, united, as far as they reach into the box; of inked ones, what shows.
-  Outlines united(const std::vector<int>& covers, std::optional<bool> inked,
-                  const AlignedBox2d& box) const {
-    Outlines all;
-    for (const int i : covers) {
-      if (inked && covers_[i].inked != *inked) continue;
-      const bool shown = inked && *inked && covers_[i].seen;
-      for (const auto& outline : shown ? *covers_[i].seen : covers_[i].region) {
-        if (outlines_box({outline}).intersects(box)) all.push_back(outline);
-      }
-    }
-    return all.empty() ? all : math_.united(all);
-  }
-
   void look_at(std::size_t index) {
     clips_.forget();
     Paint& paint = paints_[index];
@@ -103,21 +92,30 @@ class Eye {
       paint.area.outlines.clear();
       return;
     }
-    merge(over);
+    covers_.merge(math_, over);
     cover_by(paint, index, clip, clip || !over.empty());
     const std::vector<int> strokes = compared_ < kMostCompared && !box.isEmpty()
                                          ? covering_.over(box, index)
                                          : std::vector<int>{};
+    if (paint.veil > 0) return add_veil(paint, clip, over, strokes, box);
     const bool cut = clip || !over.empty() || !strokes.empty();
     Outlines filled;  // what the clip leaves of the area
     const bool hides = paint.hides && box.intersects(beneath_[index]);
     const bool plain =
-        paint.plain && paint.inked && (cuts_ || colours_.contains(paint.area.colour));
-    if (!paint.area.outlines.empty() && (cut || hides || plain)) filled = math_.region(paint.area);
-    const Outlines whole = filled, cover = united(over, {}, box);
+        paint.plain && paint.inked && (cuts_ || colours_.contains(looks_.of(paint.area.colour)));
+    const bool veiled = (paint.inked || (paint.hides && !paint.hides_from)) && veils_.reach(box);
+    if (!paint.area.outlines.empty() && (cut || hides || plain || veiled || paint.fades))
+      filled = math_.region(paint.area);
+    const Outlines whole = filled, cover = covers_.united(math_, over, {}, box);
     if (clip && !filled.empty()) filled = math_.common(filled, clip->region);
     std::optional<Outlines> seen;
     if (cut) seen = cut_lines(paint, whole, filled, clip, over, strokes, cover, box);
+    if (veiled && !filled.empty()) {
+      Stroke line{{}, false, paint.area.layer, -1, true, paint.area.colour};
+      for (LinePiece& piece : veils_.take(filled, paint.inked ? line.colour : 0xffffff))
+        veil_edges_.emplace_back(index, like(line, std::move(piece.points)));
+    }
+    if (paint.fades && !filled.empty()) veils_.add_shadow(&paint, paint.area.colour, filled);
     if (!paint.hides || filled.empty()) return;
     Outlines rest = cover.empty() ? filled : math_.without(filled, cover);
     if (hides && !rest.empty())
@@ -130,30 +128,22 @@ class Eye {
     if (plain) shown_[index] = std::move(rest);
   }
 
-  // Unites many covers of one place, unless they only lie beside each other.
-  void merge(std::vector<int>& over) {
-    for (const bool inked : {false, true}) {
-      std::vector<int> members;
-      std::size_t points = 0, left = 0;
-      for (const int i : over) {
-        if (covers_[i].inked != inked || covers_[i].hides_from > 0) continue;
-        members.push_back(i);
-        for (const auto& outline : covers_[i].region) points += outline.size();
-      }
-      if (members.size() < kMerged) continue;
-      AlignedBox2d box;
-      for (const int i : members) box.extend(covers_[i].box);
-      Outlines all = united(members, {}, box);
-      for (const auto& outline : all) left += outline.size();
-      if (left > points / 2) continue;
-      std::optional<Outlines> seen;
-      if (std::any_of(members.begin(), members.end(), [&](int i) { return covers_[i].seen; }))
-        seen = united(members, true, box);
-      for (const int i : members) {
-        covers_.remove(i);
-        std::erase(over, i);
-      }
-      over.push_back(covers_.add({std::move(all), {}, inked, 0, 0, std::move(seen)}));
+  // Keeps the veil's edge, where nothing hides it, for what lies beneath.
+  void add_veil(const Paint& paint, const Shown* clip, const std::vector<int>& over,
+                const std::vector<int>& strokes, const AlignedBox2d& box) {
+    const RegionIndex hidden(covers_.united(math_, over, {}, box));
+    const RegionIndex under(beneath(strokes, {}, box));
+    std::vector<const RegionIndex*> indices{&hidden};
+    if (clip) indices.push_back(&clip->index);
+    const auto is_seen = [&](const Spot& spot) {
+      return !spot.touches(hidden) && (!clip || spot.within(clip->index));
+    };
+    for (auto& outline : math_.region(paint.area)) {
+      outline.push_back(outline.front());
+      Stroke edge{std::move(outline), true};
+      std::vector<Stroke> kept;
+      keep(edge, uncovered(pieces_of(edge, indices, is_seen), under), kept);
+      veils_.add(kept, paint.veil);
     }
   }
 
@@ -197,7 +187,8 @@ class Eye {
     }
     if (!paint.inked || whole.empty()) return {};
 
-    const Outlines white = united(over, false, box), inked = united(over, true, box);
+    const Outlines white = covers_.united(math_, over, false, box),
+                   inked = covers_.united(math_, over, true, box);
     Outlines seen = white.empty() ? filled : math_.without(filled, white);
     std::erase_if(seen, [&](const auto& outline) {  // slivers
       return enclosed_area({outline}) < hair_ * length(outline);
@@ -295,15 +286,15 @@ class Eye {
       const bool hides = is_cut && !(first_area_ > index && first_other_ >= index &&
                                      stroke.colour == first_colour_);
       // Edges may cross a thin one.
-      const bool banded =
-          paint.plain_strokes && stroke.width > crossing_ && filled_.contains(stroke.colour);
+      const bool banded = paint.plain_strokes && stroke.width > crossing_ &&
+                          filled_.contains(looks_.of(stroke.colour));
       if (!hides && !banded) continue;
       offset_ += stroke.points.size();
       if (offset_ > kMostCovering) return;
       Outlines region = math_.stroked(stroke.points, stroke.width, stroke.closed, paint.round);
       if (clip) region = math_.common(region, clip->region);
       if (region.empty()) continue;
-      if (banded) add_band(region, index, stroke.colour);
+      if (banded) add_band(region, index, looks_.of(stroke.colour));
       if (hides) covering_.add({std::move(region), {}, true, paint.covers_from, stroke.colour});
     }
   }
@@ -311,7 +302,7 @@ class Eye {
   // What shows of a stroke in whose colour areas are filled, too.
   void add_band(Outlines band, std::size_t index, std::uint32_t colour) {
     const AlignedBox2d box = outlines_box(band);
-    const Outlines cover = united(covers_.over(box, index), {}, box);
+    const Outlines cover = covers_.united(math_, covers_.over(box, index), {}, box);
     if (!cover.empty()) band = math_.without(band, cover);
     std::move(band.begin(), band.end(), std::back_inserter(bands_[colour]));
   }
@@ -322,7 +313,7 @@ class Eye {
     std::map<std::uint32_t, Outlines> by_colour;
     for (std::size_t i = 0; i < paints_.size(); ++i) {
       if (shown_[i].empty()) continue;
-      Outlines& all = by_colour[paints_[i].area.colour];
+      Outlines& all = by_colour[looks_.of(paints_[i].area.colour)];
       std::move(shown_[i].begin(), shown_[i].end(), std::back_inserter(all));
     }
     std::map<std::uint32_t, RegionIndex> indices, of_edges;
@@ -335,8 +326,14 @@ class Eye {
     for (Paint& paint : paints_) {
       std::vector<Stroke> kept;
       for (Stroke& stroke : paint.strokes) {
-        const auto& any = stroke.edge && of_edges.contains(stroke.colour) ? of_edges : indices;
-        const auto found = any.find(stroke.colour);
+        if (paint.fades && stroke.edge) {
+          hidden_ += length(stroke.points) -
+                     keep(stroke, veils_.apart(&paint, stroke, kSeam * hair_), kept);
+          continue;
+        }
+        const std::uint32_t look = looks_.of(stroke.colour);
+        const auto& any = stroke.edge && of_edges.contains(look) ? of_edges : indices;
+        const auto found = any.find(look);
         if (found == any.end() || found->second.empty() ||
             !(stroke.edge ? paint.plain : paint.plain_strokes) ||
             (paint.inked && !paint.hides && paint.area.colour != stroke.colour)) {
@@ -468,7 +465,10 @@ class Eye {
   double touch_;     // longest part of a tangent to an arc that lies in the border [mm]
   double crossing_;  // longest part beneath a stroke that merely crosses it [mm]
   Covers covers_;
-  Covers covering_;                                 // by strokes
+  Covers covering_;  // by strokes
+  Veils veils_;
+  Looks looks_;
+  std::vector<std::pair<std::size_t, Stroke>> veil_edges_;  // and the paint that each lies on
   std::vector<Outlines> shown_;                     // of each paint's area, where it is plain
   std::size_t offset_ = 0, compared_ = 0;           // points of strokes
   std::size_t first_area_ = -1, first_other_ = -1;  // paints with ink, and with a second colour

@@ -32,6 +32,8 @@ struct Paint {
   bool round = false;                         // the strokes' caps are
   std::size_t covers_from = -1;  // the strokes hide the paints from there on, before this one
   int clip = -1;                 // that cuts it; −1: none
+  double veil = 0;               // opacity of a white area whose edge is seen on what it lets show
+  bool fades = false;            // the area is a shadow, of one colour and clear somewhere
 };
 
 struct Hidden {

@@ -88,6 +88,63 @@ TEST(Visible, AnAreaShrinksAndItsNewEdgeIsDrawn) {
               280, 1e-3);
 }
 
+TEST(Visible, WhatShowsThroughAFillIsDrawn) {
+  const std::string square = "<rect x='30' y='30' width='40' height='40' fill='red' ";
+  EXPECT_NEAR(inked(kLine + square + "opacity='.7'/>"), 100 + 160, 1e-3);
+  EXPECT_NEAR(inked(kLine + square + "opacity='.9'/>"), 60 + 160, 1e-3);
+}
+
+TEST(Visible, AWhiteVeilHasAnEdgeOnWhatIsColoured) {
+  const auto ground = [](const char* colour) {
+    return fmt::format("<rect x='10' y='10' width='40' height='80' fill='{}'/>", colour);
+  };
+  const std::string veil = "<rect x='30' y='30' width='40' height='20' fill='white' opacity='.5'/>",
+                    cover = "<rect x='25' y='20' width='25' height='20' fill='#400'/>";
+  EXPECT_NEAR(inked(ground("#024") + veil), 240 + 60, 1e-3);
+  EXPECT_NEAR(inked(ground("#eef") + veil), 240, 1e-3) << "too pale";
+  EXPECT_NEAR(inked(veil + ground("#024")), 240, 1e-3) << "beneath";
+  EXPECT_NEAR(inked(ground("#024") + veil + cover), 240 + 70 + 30, 1e-3);
+  EXPECT_NEAR(inked(ground("#024") + "<path d='M30 40H40' stroke='#fff' stroke-width='4' "
+                                     "stroke-opacity='.5'/>"),
+              240 + 28, 1e-3);
+}
+
+TEST(Visible, ColoursThatLookAlikeHaveNoEdgeBetweenThem) {
+  const std::string one = "<rect x='10' y='10' width='40' height='40' fill='#ca353c'/>";
+  EXPECT_NEAR(inked(one + "<rect x='50' y='10' width='40' height='40' fill='#c9353d'/>"), 240,
+              1e-3);
+  EXPECT_NEAR(inked(one + "<rect x='50' y='10' width='40' height='40' fill='#ca4d3c'/>"), 280,
+              1e-3);
+}
+
+// As icons have them: the shadow of a box is one of its middle and two of its ends.
+TEST(Visible, ShadowsSideBySideHaveNoEdgeBetweenThem) {
+  const std::string shadow =
+      "<linearGradient id='s' gradientUnits='userSpaceOnUse' x1='0' x2='0' y1='10' y2='60'>"
+      "<stop stop-opacity='.5'/><stop offset='1' stop-opacity='0'/></linearGradient>"
+      "<rect x='10' y='10' width='40' height='50' fill='url(#s)'/><rect y='10' height='50' ";
+  const auto at_seam = [](const Artwork& artwork) {
+    double sum = 0;
+    for (const Stroke& stroke : artwork.strokes) {
+      for (std::size_t i = 1; i < stroke.points.size(); ++i) {
+        const Vector2d &a = stroke.points[i - 1], &b = stroke.points[i];
+        if (std::abs(a.x() - 50) < 1 && std::abs(b.x() - 50) < 1) sum += (b - a).norm();
+      }
+    }
+    return sum;
+  };
+  EXPECT_NEAR(at_seam(painted(shadow + "x='50' width='40' fill='url(#s)'/>")), 0, 1e-3);
+  EXPECT_GT(at_seam(painted(shadow + "x='60' width='40' fill='url(#s)'/>")), 40);
+  EXPECT_GT(at_seam(painted(shadow + "x='40' width='40' fill='url(#s)'/>")), 40);
+}
+
+TEST(Visible, AStrokeIsDrawnWhereItsGradientIsNotClear) {
+  EXPECT_NEAR(inked("<linearGradient id='g' gradientUnits='userSpaceOnUse' x1='0' x2='60'>"
+                    "<stop/><stop offset='1' stop-opacity='0'/></linearGradient>"
+                    "<path d='M0 50H100' fill='none' stroke='url(#g)'/>"),
+              60, 4);
+}
+
 // A canton: white stripes on blue reach the canton's border, which is the ground's border there.
 TEST(Visible, WhiteOverTheRimOfAnAreaEdgesWhatLiesBeneathBoth) {
   const std::string ground = "<rect x='10' y='10' width='80' height='80' fill='red'/>",

@@ -25,17 +25,18 @@ struct ImpedrawSvgPath {
   std::uint8_t caps;      // round or square line caps: a subpath without length is a dot
   std::uint8_t even_odd;  // fill rule; else nonzero
   // The fill hides what lies beneath: 1; 2: it is a white stroke's area; 3: it hides only the edge
-  // of the fill before it, whose gradient is white or clear there.
+  // of the fill before it, whose gradient is white or clear there; 4: it is white, and `alpha` lets
+  // show what lies beneath, on which its edge is seen.
   std::uint8_t hides;
   std::uint32_t fill, stroke;  // colours, 0xRRGGBB; a gradient's is the mean of its stops
   double width;                // of the stroke [mm]
   std::size_t hides_from;   // the first path that it hides: a faint group hides nothing around it
   std::uint8_t covers;      // the stroke hides what lies beneath its width
   std::size_t covers_from;  // the first path that it hides
-  std::uint8_t plain;       // in one opaque colour: the fill, 1; the stroke, 2
+  std::uint8_t plain;       // in one opaque colour: the fill, 1; the stroke, 2; a shadow's fill: 4
   std::uint32_t clip;       // ImpedrawSvg::clips, counted from 1, that cuts it; 0: none
   std::uint32_t shapes;     // the clip that it is a part of, counted from 1; 0: it is painted
-  float value, alpha;       // of a mask's shape: luminance and opacity
+  float value, alpha;       // of a mask's shape: luminance and opacity; alpha: see hides
   std::size_t dash_count;   // of ImpedrawSvg::dashes, even; 0: unbroken
   double dash_offset;       // like the dashes, in the unit before the transform
   double path_length;       // what the dashes take the path's whole length for; NaN: that length

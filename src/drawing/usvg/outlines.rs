@@ -9,7 +9,7 @@ use usvg::{Opacity, Paint, PaintOrder, Path, Stroke, Transform, Tree};
 
 const MM_PER_PX: f64 = 25.4 / 96.0;
 const MOST_POINTS: usize = 4_000_000; // nested uses multiply without bound
-const OPAQUE: f32 = 0.5; // what is not more opaque hides nothing
+const OPAQUE: f32 = 0.84; // what is not more opaque lets black show through as a visible grey
 const PLAIN: f32 = 0.99; // what is more opaque shows its own colour alone
 
 // Style sheets that no rule of the document overrides. A pen draws no filter, and usvg would drop
@@ -386,8 +386,12 @@ impl Outlines {
         let covers_from = stroke.and_then(|s| hiding(s.paint(), s.opacity()));
         let opaque: f32 = self.groups.iter().map(|(opacity, _)| opacity).product();
         let is_plain = |paint: &Paint, opacity: Opacity| (matches!(paint, Paint::Color(_)) && opacity.get() * opaque > PLAIN) as u8;
-        let plain = fill.map_or(0, |f| is_plain(f.paint(), f.opacity())) + 2 * stroke.map_or(0, |s| is_plain(s.paint(), s.opacity()));
-        let drawn = SvgPath {
+        let plain = fill.map_or(0, |f| is_plain(f.paint(), f.opacity()) + 4 * paints::fades(f.paint()) as u8)
+            + 2 * stroke.map_or(0, |s| is_plain(s.paint(), s.opacity()));
+        let veil = |paint: &Paint, opacity: Opacity| (hiding(paint, opacity) != Some(0) && paints::is_white(paints::colour(paint))).then_some(opacity.get() * opaque);
+        let fill_veil = fill.and_then(|f| Some((f, veil(f.paint(), f.opacity())?)));
+        let stroke_veil = stroke.and_then(|s| Some((s, veil(s.paint(), s.opacity())?)));
+        let mut drawn = SvgPath {
             layer,
             covers: covers_from.is_some() as u8,
             covers_from: covers_from.unwrap_or(0),
@@ -414,6 +418,11 @@ impl Outlines {
             let area = SvgPath { layer, clip, filled: 1, fill: 0xffffff, hides: 2, hides_from, ..SvgPath::default() };
             Some((stroked_area(path, s, ts)?, area))
         });
+        // A stroke that is clear in part is cut there.
+        if let Some(stroke) = stroke.filter(|_| fill.is_none() && white.is_none() && covers_from.is_none()) {
+            let shows = |band: &paints::Band| paints::is_seen(band, stroke.opacity().get());
+            drawn.clip = self.clip_to_bands(stroke.paint(), path.stroke_bounding_box(), ts, clip, shows);
+        }
         self.dashes.extend(dashes.iter().map(|&length| length as f64));
         let mut both = vec![(path.data().clone(), drawn)];
         both.extend(cover);
@@ -427,6 +436,15 @@ impl Outlines {
         if let Some(fill) = fill.filter(|_| stroke.is_none()) {
             self.add_clear_bands(path, fill, ts, layer, clip, index);
             self.add_leaps(path, fill, ts, layer, clip);
+        }
+        if let Some((fill, opacity)) = fill_veil {
+            let even_odd = (fill.rule() == FillRule::EvenOdd) as u8;
+            self.add_veil(path.data(), fill.paint(), ts, SvgPath { layer, clip, even_odd, alpha: opacity, ..SvgPath::default() });
+        }
+        if let Some((stroke, opacity)) = stroke_veil {
+            if let Some(area) = stroked_area(path, stroke, ts) {
+                self.add_veil(&area, stroke.paint(), ts, SvgPath { layer, clip, alpha: opacity, ..SvgPath::default() });
+            }
         }
     }
 

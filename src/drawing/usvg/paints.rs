@@ -61,6 +61,18 @@ pub struct Band {
     pub opacity: f32,
 }
 
+/// False where the band, painted with this opacity, is as good as white or clear.
+pub fn is_seen(band: &Band, opacity: f32) -> bool {
+    band.luminance <= LIGHT && band.opacity * opacity >= 1.0 - LIGHT
+}
+
+/// A gradient from one colour to the same one, clear: a shadow.
+pub fn fades(paint: &Paint) -> bool {
+    stops(paint).is_some_and(|stops| {
+        stops.iter().all(|s| s.color() == stops[0].color()) && stops.iter().any(|s| s.opacity().get() < 1.0 - LIGHT)
+    })
+}
+
 /// Luminance and opacity at t along the gradient, and its colour on white.
 fn at(stops: &[Stop], t: f32) -> [f32; 5] {
     let of = |s: &Stop| {

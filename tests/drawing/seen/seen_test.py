@@ -50,6 +50,15 @@ KINDS = {
     "<path class='a' d='M10 10L90 40'/><circle class='a' cx='50' cy='60' r='20'/><path id='h' class='a' d='M0 99H99'/>",
     "switch": "<switch><path systemLanguage='xx' d='M0 0H90V90'/><path d='M10 90H90V10Z' fill='#555'/></switch>",
     "opacity": LINES + RECT + " fill='#08f' opacity='0.4'/>",
+    "let through": LINES + RECT + " fill='#08f' opacity='0.7'/>",
+    "veil": RECT + " fill='#246'/><circle cx='60' cy='30' r='25' fill='#fff' opacity='0.4'/><path d='M20 60Q50 20 95 90' fill='none' stroke='white' stroke-width='5' stroke-opacity='0.5'/>",
+    "stroke that fades": "<linearGradient id='g' gradientUnits='userSpaceOnUse' x1='0' x2='60'><stop/><stop offset='1' stop-opacity='0'/></linearGradient>"
+    "<path d='M5 20L90 30' stroke='url(#g)' stroke-width='4'/>" + RECT + " fill='none' stroke='teal'/>",
+    "shadow of a box": "<linearGradient id='g' x2='0' y2='1'><stop stop-opacity='0'/><stop offset='.5'/><stop offset='1' stop-opacity='0'/></linearGradient>"
+    "<radialGradient id='r' gradientUnits='userSpaceOnUse' r='10'><stop/><stop offset='1' stop-opacity='0'/></radialGradient>"
+    "<g opacity='.5'><path d='M20 70H80V90H20Z' fill='url(#g)'/><path d='M0 -10H10V10H0Z' transform='translate(80 80)' fill='url(#r)'/>"
+    "<path d='M0 -10H10V10H0Z' transform='matrix(-1 0 0 1 20 80)' fill='url(#r)'/></g><path d='M15 20H85V75H15Z' fill='#68b'/>",
+    "alike colours": RECT + " fill='#ca353c'/><path d='M50 10H70V90Z' fill='#c9353d'/>",
     "units": ("width='1in' height='2.54cm'", "<path d='M2mm' /><line x1='5mm' y1='20%' x2='.8in' y2='12pt' stroke='black'/><circle cx='50%' cy='3pc' r='5mm'/>"),
     "nested pages": "<svg x='10' y='10' width='50' height='80' viewBox='0 0 10 10'>" + "<circle cx='9' cy='5' r='4' fill='#a5a'/></svg>" + LINES,
     "not scaling": ("viewBox='0 0 10 10'", "<path d='M1 1L9 5 1 9' fill='none' stroke='black' vector-effect='non-scaling-stroke' stroke-width='2'/>"),
