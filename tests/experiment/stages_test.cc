@@ -8,6 +8,8 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/roll_pitch_yaw.h"
+#include "impedraw/experiment/page_of_plan.h"
+#include "impedraw/experiment/plan_summary.h"
 #include "impedraw/experiment/prepare.h"
 
 namespace impedraw {
@@ -95,6 +97,31 @@ TEST(RollPitchYaw, TurnsAboutXThenYThenZ) {
       sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,   //
       -sp, cp * sr, cp * cr;
   EXPECT_TRUE(rotation_from_roll_pitch_yaw(rpy).toRotationMatrix().isApprox(R, 1e-14));
+}
+
+// A dome as steep as the wrap bears: parts of the wrapped strokes are too steep, others lost. Each
+// length counts as it is on the page, and what is left out is shown where it would lie.
+TEST(Stages, WhatAWrapPromisesAndLeavesOutAddsUpToThePage) {
+  const PreparedPlan e = prepare_plan(
+      scenario({"drawing.mapping=wrap", "drawing.shape=sine", "drawing.placement.scale=1.4",
+                "canvas.kind=dome", "canvas.cap.radius=0.15", "canvas.cap.centre=[0.6, 0, 0.02]",
+                "canvas.cap.opening_radius=0.1499", "preflight.arm=false"}),
+      {}, Unreachable::tell);
+  const Promise promise = yardstick_of(e, e.truth).promise;
+  ASSERT_GT(e.plan.requested.size(), 1u);
+  ASSERT_GT(promise.lengths.at("too_steep"), 0.01);
+  ASSERT_GT(promise.lengths.at("off_canvas"), 0.01);
+  EXPECT_LE(promise.unnamed, 1e-3);
+  EXPECT_NEAR(promise.promised + promise.undrawable + promise.unnamed, promise.asked, 1e-3);
+  EXPECT_NEAR(promise.flat * plane_length(e.plan.strokes), promise.promised, 1e-9);
+  const std::vector<PlanLine> lines = lines_of_findings(e, e.surface());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Finding& f = e.plan.preflight.findings[i];
+    double nearest = 1.0;
+    for (const Eigen::Vector3d& p_P : lines[i].points)
+      nearest = std::min(nearest, (e.artwork.X_WP * p_P - f.p_W).norm());
+    EXPECT_LT(nearest, 3e-3) << finding_text(f);
+  }
 }
 
 }  // namespace
