@@ -124,5 +124,30 @@ TEST(Stages, WhatAWrapPromisesAndLeavesOutAddsUpToThePage) {
   }
 }
 
+// By dense algebra: what each joint's friction is at the tip, along the push.
+TEST(Stages, FrictionThatNoWrenchShowsIsTold) {
+  const auto told = [](const std::vector<std::string>& more) -> std::string {
+    DrawOptions options;
+    options.scenario = "scenarios/bowl-sine-natural.yaml";
+    options.assignments = more;
+    const PreparedPlan e = prepare_plan(resolve(options));
+    ArmModel arm = e.belief.arm;
+    ArmTerms terms(arm.joints());
+    arm.compute(e.plan.rest_q, JointVector::Zero(arm.joints()), &terms);
+    const Eigen::MatrixXd J = terms.J, M_inverse = Eigen::MatrixXd(terms.M).inverse();
+    const Eigen::MatrixXd to_tip = (J * M_inverse * J.transpose()).inverse() * J * M_inverse;
+    const double most = e.truth.world->dry_friction().dot(to_tip.row(2).cwiseAbs());
+    for (const std::string& note : e.plan.notes)
+      if (note.find("dry friction") != std::string::npos)
+        return note.find(fmt::format("up to {:.2g} N at the tip", most)) != std::string::npos
+                   ? "with its force"
+                   : note;
+    return "nothing";
+  };
+  EXPECT_EQ(told({"world.joint_friction=1"}), "with its force");
+  EXPECT_EQ(told({"world.joint_friction=0.05"}), "nothing");
+  EXPECT_EQ(told({"world.joint_friction=1", "control.wrench=ground_truth"}), "nothing");
+}
+
 }  // namespace
 }  // namespace impedraw
