@@ -3,6 +3,7 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -64,17 +65,23 @@ PolygonMesh parse_text_stl(std::string_view text, const std::string& name) {
   std::string_view line;
   PolygonMesh mesh;
   std::size_t facets = 0, vertices = 0;
-  bool inside = false, ended = false;
+  bool inside = false, ended = false, told = false;
   while (lines.next(&line)) {  // of one solid or of several
     std::string_view rest = line;
     std::string key(next_word(&rest));
     if (key.empty()) continue;
     const bool apart = same_word(key, "end");  // "end solid", "end facet"
     if (apart) key += next_word(&rest);
-    ended = same_word(std::string_view(key).substr(0, 8), "endsolid");
-    if (ended && (apart || key.size() > 8)) {
+    const bool over = ended;
+    ended = same_word(std::string_view(key).substr(0, 8), "endsolid") ||
+            (over && !same_word(key, "solid") && !same_word(key, "facet"));
+    if (ended && !over && (apart || key.size() > 8)) {
       mesh.warnings.push_back(
           fmt::format("line {}: '{}' is read as endsolid", lines.number, line.substr(0, 60)));
+    }
+    if (ended && over && !std::exchange(told, true)) {
+      mesh.warnings.push_back(
+          fmt::format("line {}: '{}' follows endsolid: ignored", lines.number, line.substr(0, 60)));
     }
     if (same_word(key, "facet")) {
       if (inside)

@@ -302,7 +302,9 @@ std::vector<PlanLine> lines_of_findings(const PlannedDrawing& e, const SurfaceHe
   for (const Finding& f : e.plan.preflight.findings) {
     const PlacedStroke& whole = e.artwork.strokes[static_cast<std::size_t>(f.part.stroke)];
     if (!ruler || &ruler->stroke() != &whole) ruler.emplace(whole);
-    const PlacedStroke part = ruler->part(f.part.from, f.part.to);
+    PlacedStroke part = ruler->part(f.part.from, f.part.to);
+    if (e.plan.wrap)
+      if (auto laid = e.plan.wrap->wrap({part}).strokes; !laid.empty()) part = std::move(laid[0]);
     lines.push_back(plan_line(part, surface, (X_PW * f.p_W).z(), words_of(f.problem)));
   }
   return lines;

@@ -20,17 +20,25 @@
 namespace impedraw {
 namespace {
 
-// Numbers the strokes in order. `source` gets the artwork's stroke number of each. Lengths along
-// wrapped strokes are their own; other parts keep their place on the artwork's stroke.
-std::vector<PlacedStroke> renumbered(std::vector<PlacedStroke> strokes, bool wrapped,
-                                     std::vector<int>* source) {
+// Numbers the strokes in order. `source` gets their numbers in the artwork.
+std::vector<PlacedStroke> renumbered(std::vector<PlacedStroke> strokes, std::vector<int>* source) {
   source->clear();
   for (PlacedStroke& stroke : strokes) {
     source->push_back(stroke.number);
     stroke.number = static_cast<int>(source->size()) - 1;
-    if (wrapped) stroke.start = 0.0;
   }
   return strokes;
+}
+
+// A wrapped stroke that is cut on the surface goes on where it was cut on the page.
+void start_on_page(const Placement& placement, Plan* plan) {
+  std::vector<PlacedStroke>& strokes = plan->requested;
+  for (std::size_t k = 1; k < strokes.size(); ++k) {
+    const PlacedStroke& last = strokes[k - 1];
+    PlacedStroke& stroke = strokes[k];
+    if (plan->source[k] == plan->source[k - 1] && stroke.page.front() == last.page.back())
+      stroke.start = last.start + flat_length(last, placement);
+  }
 }
 
 // The finding for a part that the wrap has no surface for.
@@ -205,8 +213,11 @@ std::vector<StrokePart> Planning::lay_on_surface() {
     laid.strokes = cut_where_turned(std::move(laid.strokes), *heading, artwork_.X_WP,
                                     plan_.path_settings.corner_angle_deg * std::numbers::pi / 180.0,
                                     &heading_notes_);
-  plan_.requested = renumbered(std::move(laid.strokes), plan_.wrap.has_value(), &plan_.source);
-  if (plan_.wrap) wrap_doubt_ = wrap_doubt(plan_, belief_);
+  plan_.requested = renumbered(std::move(laid.strokes), &plan_.source);
+  if (plan_.wrap) {
+    start_on_page(artwork_.placement, &plan_);
+    wrap_doubt_ = wrap_doubt(plan_, belief_);
+  }
   return std::move(laid.lost);
 }
 
@@ -259,9 +270,9 @@ void Planning::check(const std::vector<StrokePart>& lost) {
                          [&](double share) { tell("checking the strokes", 0.3 + 0.35 * share); });
   });
   if (may_move()) leave_to_run(&plan_.preflight.findings);
-  for (Finding& f : plan_.where_it_is) f.part.stroke = source(f.part.stroke);
+  for (Finding& f : plan_.where_it_is) f.part = on_artwork(plan_, artwork_.placement, f.part);
   for (Finding& f : plan_.preflight.findings) {
-    f.part.stroke = source(f.part.stroke);
+    f.part = on_artwork(plan_, artwork_.placement, f.part);
     name_step(belief_, s_.preflight.roughest, &f);
   }
   for (const StrokePart& part : lost)
@@ -388,8 +399,7 @@ void Planning::take_away(std::size_t i, double from, double to, Finding finding)
     gone.to = whole.to;
   const auto at = drawable.erase(drawable.begin() + static_cast<std::ptrdiff_t>(i));
   drawable.insert(at, left.begin(), left.end());
-  gone.stroke = source(whole.stroke);
-  finding.part = gone;
+  finding.part = on_artwork(plan_, artwork_.placement, gone);
   plan_.preflight.findings.push_back(std::move(finding));
 }
 

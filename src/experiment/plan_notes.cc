@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/common/in_parallel.h"
+#include "impedraw/control/operational_space.h"
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {
@@ -53,6 +54,26 @@ void note_wrap(double doubt, std::vector<std::string>* notes) {
         std::isinf(doubt)
             ? "with the finest heights seen it cannot be laid flat at all"
             : fmt::format("the drawing may lie {:.1f} mm RMS beside its place", 1e3 * doubt)));
+}
+
+std::optional<std::string> friction_note(const Scenario& s, ArmModel arm, const JointVector& q,
+                                         const Eigen::Vector3d& n_W,
+                                         const Eigen::VectorXd& dry_friction) {
+  constexpr double kFelt = 0.2;  // of the normal force
+  if (s.control.source != WrenchSource::none || s.arm.driver != ArmDriver::sim) return {};
+  ArmTerms terms(arm.joints());
+  arm.compute(q, JointVector::Zero(arm.joints()), &terms);
+  OperationalSpace space(s.control.operational_space);
+  space.update(terms);
+  double at_tip = 0.0;
+  for (int j = 0; j < arm.joints(); ++j)
+    at_tip += dry_friction[j] *
+              std::abs(n_W.dot(space.project_to_tip(JointVector::Unit(arm.joints(), j)).head<3>()));
+  if (at_tip <= kFelt * s.control.normal_force) return {};
+  return fmt::format(
+      "the joints' dry friction of up to {:.3g} Nm is up to {:.2g} N at the tip, and without a "
+      "wrench (control.wrench) nothing tells: the force of {:.3g} N may be off by as much",
+      dry_friction.maxCoeff(), at_tip, s.control.normal_force);
 }
 
 void note_spread_forces(const PathSettings& path, Plan* plan) {

@@ -48,6 +48,14 @@ std::optional<std::string> roughness_note(const std::vector<PlacedStroke>& strok
 double wrap_doubt(const Plan& plan, const Belief& belief);
 void note_wrap(double doubt, std::vector<std::string>* notes);
 
+// A note where dry friction of the joints [Nm] is more than a fifth of the normal force at the tip,
+// and no wrench shows it; nullopt else. q: a posture on the drawing, n_W the normal there.
+// Each joint takes its part of the force away, or adds it, as it turns. On the standard bowl at 5 N
+// friction of 0.5 Nm in every joint cost a tenth of the coverage, 1 Nm a sixth of the ink.
+std::optional<std::string> friction_note(const Scenario& scenario, ArmModel arm,
+                                         const JointVector& q, const Eigen::Vector3d& n_W,
+                                         const Eigen::VectorXd& dry_friction);
+
 // Notes where widths change faster than the force may.
 void note_spread_forces(const PathSettings& path, Plan* plan);
 

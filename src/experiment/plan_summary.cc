@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "impedraw/drawing/polyline.h"
 #include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/terminal/progress.h"
@@ -76,6 +77,20 @@ double length_not_drawable(const PlannedDrawing& e) {
   double sum = 0.0;
   for (const Finding& f : e.plan.preflight.findings) sum += f.part.length();
   return sum;
+}
+
+double flat_length(const PlacedStroke& stroke, const Placement& placement) {
+  return 1e-3 * placement.scale() * length(stroke.page);
+}
+
+StrokePart on_artwork(const Plan& plan, const Placement& placement, const StrokePart& part) {
+  const auto k = static_cast<std::size_t>(part.stroke);
+  StrokePart flat{plan.source[k], part.from, part.to};
+  if (!plan.wrap) return flat;
+  const PlacedStroke& stroke = plan.requested[k];
+  flat.from = stroke.start + flat_length(part_of(stroke, stroke.start, part.from), placement);
+  flat.to = flat.from + flat_length(part_of(stroke, part.from, part.to), placement);
+  return flat;
 }
 
 Distortion projected_distortion(const PlannedDrawing& e) {

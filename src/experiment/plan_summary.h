@@ -18,6 +18,11 @@ Distortion wrapped_distortion(const PlannedDrawing& drawing);  // requires a wra
 
 double length_not_drawable(const PlannedDrawing& drawing);  // in the drawing plane [m]
 
+// Length of the stroke as it is placed, flat: a wrapped one's is not that in the drawing plane [m].
+double flat_length(const PlacedStroke& stroke, const Placement& placement);
+// A part of one of plan.requested by the artwork's number, along the artwork's stroke.
+StrokePart on_artwork(const Plan& plan, const Placement& placement, const StrokePart& part);
+
 // strokes, drawable_parts, pen_down_m, pen_up_m, page_size_mm [x, y] of the strokes on the page,
 // size_mm, the same on the canvas as seen along the drawing axis, notes (notes_of()), time_s,
 // distortion, margins, not_drawable: [{stroke, from_mm, to_mm, problem, text, page_mm, world_m}].

@@ -9,6 +9,7 @@
 
 #include "impedraw/common/file_extension.h"
 #include "impedraw/experiment/line_forces.h"
+#include "impedraw/experiment/plan_notes.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/terminal/say.h"
 
@@ -100,6 +101,9 @@ PreparedPlan prepare_plan(const Scenario& given, const Places& places, Unreachab
     std::shared_future<Distortion> projected;
     if (summary == PlanSummary::beside) projected = distortion_beside(artwork, scene.belief);
     Plan plan = make_plan(scenario, artwork, scene.belief, unreachable, setting_errors, progress);
+    if (auto note = friction_note(scenario, scene.belief.arm, plan.rest_q, X_WP.R.col(2),
+                                  scene.truth.world->dry_friction()))
+      plan.notes.push_back(*std::move(note));
     return {{std::move(scenario), std::move(artwork), std::move(scene.belief), std::move(plan),
              std::move(projected)},
             std::move(scene.truth)};

@@ -228,13 +228,14 @@ Snapshot take_snapshot(const Scenario& s, const Canvas& canvas, const World& wor
   CameraPoints seen = points_of_cameras(s, canvas, world, arm, q, notes);
   const PerceptionSettings used =
       s.perception.stereo ? for_noise(s.perception, seen.cloud, notes) : s.perception;
-  return {estimator_of(seen.cloud, used,
-                       fmt::format("; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} "
-                                   "to {:.2f} m)",
-                                   box.min().x(), box.max().x(), box.min().y(), box.max().y(),
-                                   box.min().z(), box.max().z())),
-          {},
-          std::move(seen.corrections)};
+  std::string where = fmt::format(
+      "; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m)", box.min().x(),
+      box.max().x(), box.min().y(), box.max().y(), box.min().z(), box.max().z());
+  for (const BodyCapsule& body : arm.body_capsules(q))
+    if (inside({body.a_W, body.b_W, body.radius}, s.perception.self_padding, box.center()))
+      where += fmt::format("; {}, whose body is {:.2g} m across, stands there", body.link,
+                           2.0 * body.radius);
+  return {estimator_of(seen.cloud, used, where), {}, std::move(seen.corrections)};
 }
 
 Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, bool placed, ArmModel& arm,

@@ -61,6 +61,12 @@ Promise promise_of(const PlannedDrawing& e, const Truth& truth, const TargetLine
   Promise p;
   p.asked = plane_length(e.artwork.strokes);
   p.promised = plane_length(e.plan.strokes);
+  if (e.plan.wrap && p.promised > 0.0) {
+    double flat = 0.0;
+    for (const StrokePart& part : e.plan.preflight.drawable)
+      flat += on_artwork(e.plan, e.artwork.placement, part).length();
+    p.flat = flat / std::exchange(p.promised, flat);
+  }
   p.undrawable = length_not_drawable(e);
   p.unnamed = unnamed_length(e);
   if (!e.plan.wrap) p.reachable = reachable_length(e, truth);
@@ -105,10 +111,8 @@ double reachable_length(const PlannedDrawing& e, const Truth& truth) {
 
 double unnamed_length(const PlannedDrawing& e) {
   std::vector<StrokePart> told;
-  for (StrokePart part : e.plan.preflight.drawable) {
-    part.stroke = e.plan.source[static_cast<std::size_t>(part.stroke)];
-    told.push_back(part);
-  }
+  for (const StrokePart& part : e.plan.preflight.drawable)
+    told.push_back(on_artwork(e.plan, e.artwork.placement, part));
   for (const Finding& f : e.plan.preflight.findings) told.push_back(f.part);
   double sum = 0.0;
   for (const StrokePart& part : rest_of(e.artwork.strokes, told)) sum += part.length();

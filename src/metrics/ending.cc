@@ -68,9 +68,9 @@ DrawnLengths drawn_lengths(const RunData& run, const Promise& promise, const End
   out.asked = promise.asked;
   out.not_drawn = promise.lengths;
   if (promise.unnamed > kIgnored) out.not_drawn["unnamed"] = promise.unnamed;
-  double rest = promise.promised - inked_length(run);
+  double rest = promise.promised - promise.flat * inked_length(run);
   for (const auto& [reason, length] : ending.given_up) {
-    const double part = std::clamp(length, 0.0, std::max(0.0, rest));
+    const double part = std::clamp(promise.flat * length, 0.0, std::max(0.0, rest));
     if (part > 0.0) out.not_drawn[reason] += part;
     rest -= part;
   }
@@ -104,6 +104,7 @@ std::string promise_text(const Promise& p) {
                                  {"promised", p.promised},
                                  {"undrawable", p.undrawable},
                                  {"unnamed", p.unnamed},
+                                 {"flat", p.flat},
                                  {"problems", p.problems},
                                  {"lengths", p.lengths},
                                  {"asks_ink", p.asks_ink},
@@ -124,6 +125,7 @@ std::optional<Promise> read_promise(const std::map<std::string, std::string>& at
     text.at("promised").get_to(p.promised);
     text.at("undrawable").get_to(p.undrawable);
     text.at("unnamed").get_to(p.unnamed);
+    p.flat = text.value("flat", 1.0);
     if (text.contains("reachable")) p.reachable = text["reachable"].get<double>();
     text.at("problems").get_to(p.problems);
     if (text.contains("lengths")) text["lengths"].get_to(p.lengths);

@@ -369,6 +369,7 @@ ArmMonitors::ArmMonitors(const Experiment& e, const Driver& driver, const RunHoo
                e.scenario.arm.wrench_delay, feels(e)),
       signs_(e.control.impedance, e.belief.arm.limits().torque),
       fences_(e.scenario.fence, feels(e)),
+      range_(has_sensor(e.control.source) ? e.control.estimator : WrenchEstimatorSettings()),
       speed_(e.belief.arm.limits().speed, e.belief.arm.joint_names()),
       rattle_(e.control.impedance.stability_check.contact_stiffness_max,
               e.belief.perception && feels(e)) {}
@@ -383,9 +384,10 @@ Verdict ArmMonitors::judge(const Cycle& cycle, const Reaction& reaction, bool bl
   if (worst) return worst;
   if (state != Reaction::State::halt) worst = emergency(cycle);
   if (!worst) worst = fences_.judge(cycle);
+  if (!worst) worst = range_.judge(cycle);
   if (!worst && !reaction.brakes()) worst = speed_.judge(cycle);
   const Verdict rattle = rattle_.judge(cycle);
-  if (!blocked) worst = worse(worst, rattle);
+  if (!blocked && !fences_.force_beyond()) worst = worse(worst, rattle);
   return worse(worst, step_time_.judge(cycle));
 }
 

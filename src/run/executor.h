@@ -15,6 +15,7 @@
 #include "impedraw/run/monitors/block_monitor.h"
 #include "impedraw/run/monitors/canvas_monitor.h"
 #include "impedraw/run/monitors/fence_monitor.h"
+#include "impedraw/run/monitors/range_monitor.h"
 #include "impedraw/run/monitors/rattle_monitor.h"
 #include "impedraw/run/monitors/reach_monitor.h"
 #include "impedraw/run/monitors/reading_monitor.h"
@@ -53,6 +54,7 @@ class ArmMonitors {
   ReversalMonitor reversal_;
   SignMonitor signs_;
   FenceMonitor fences_;
+  RangeMonitor range_;
   SpeedMonitor speed_;
   RattleMonitor rattle_;
   StepTimeMonitor step_time_;

@@ -322,6 +322,8 @@ TEST_F(SceneFile, AnStlWithAWrongCountOrEndIsReadWithAWarning) {
     expect_whole(odd.replace(odd.rfind(end), end.size(), written), "is read as endsolid");
   }
   EXPECT_THAT(load("b.stl", "\xef\xbb\xbf\n " + text).warnings, IsEmpty());
+  expect_whole(text + "\nexported by a program\n", "'exported by a program' follows endsolid");
+  EXPECT_THAT(refusal_of("a.stl", text + "\nsolid second\n"), HasSubstr("truncated"));
 }
 
 TEST_F(SceneFile, StripsOfAPlyAlternateAndBeginAnew) {

@@ -8,6 +8,8 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/roll_pitch_yaw.h"
+#include "impedraw/experiment/page_of_plan.h"
+#include "impedraw/experiment/plan_summary.h"
 #include "impedraw/experiment/prepare.h"
 
 namespace impedraw {
@@ -95,6 +97,56 @@ TEST(RollPitchYaw, TurnsAboutXThenYThenZ) {
       sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,   //
       -sp, cp * sr, cp * cr;
   EXPECT_TRUE(rotation_from_roll_pitch_yaw(rpy).toRotationMatrix().isApprox(R, 1e-14));
+}
+
+// A dome as steep as the wrap bears: parts of the wrapped strokes are too steep, others lost. Each
+// length counts as it is on the page, and what is left out is shown where it would lie.
+TEST(Stages, WhatAWrapPromisesAndLeavesOutAddsUpToThePage) {
+  const PreparedPlan e = prepare_plan(
+      scenario({"drawing.mapping=wrap", "drawing.shape=sine", "drawing.placement.scale=1.4",
+                "canvas.kind=dome", "canvas.cap.radius=0.15", "canvas.cap.centre=[0.6, 0, 0.02]",
+                "canvas.cap.opening_radius=0.1499", "preflight.arm=false"}),
+      {}, Unreachable::tell);
+  const Promise promise = yardstick_of(e, e.truth).promise;
+  ASSERT_GT(e.plan.requested.size(), 1u);
+  ASSERT_GT(promise.lengths.at("too_steep"), 0.01);
+  ASSERT_GT(promise.lengths.at("off_canvas"), 0.01);
+  EXPECT_LE(promise.unnamed, 1e-3);
+  EXPECT_NEAR(promise.promised + promise.undrawable + promise.unnamed, promise.asked, 1e-3);
+  EXPECT_NEAR(promise.flat * plane_length(e.plan.strokes), promise.promised, 1e-9);
+  const std::vector<PlanLine> lines = lines_of_findings(e, e.surface());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Finding& f = e.plan.preflight.findings[i];
+    double nearest = 1.0;
+    for (const Eigen::Vector3d& p_P : lines[i].points)
+      nearest = std::min(nearest, (e.artwork.X_WP * p_P - f.p_W).norm());
+    EXPECT_LT(nearest, 3e-3) << finding_text(f);
+  }
+}
+
+// By dense algebra: what each joint's friction is at the tip, along the push.
+TEST(Stages, FrictionThatNoWrenchShowsIsTold) {
+  const auto told = [](const std::vector<std::string>& more) -> std::string {
+    DrawOptions options;
+    options.scenario = "scenarios/bowl-sine-natural.yaml";
+    options.assignments = more;
+    const PreparedPlan e = prepare_plan(resolve(options));
+    ArmModel arm = e.belief.arm;
+    ArmTerms terms(arm.joints());
+    arm.compute(e.plan.rest_q, JointVector::Zero(arm.joints()), &terms);
+    const Eigen::MatrixXd J = terms.J, M_inverse = Eigen::MatrixXd(terms.M).inverse();
+    const Eigen::MatrixXd to_tip = (J * M_inverse * J.transpose()).inverse() * J * M_inverse;
+    const double most = e.truth.world->dry_friction().dot(to_tip.row(2).cwiseAbs());
+    for (const std::string& note : e.plan.notes)
+      if (note.find("dry friction") != std::string::npos)
+        return note.find(fmt::format("up to {:.2g} N at the tip", most)) != std::string::npos
+                   ? "with its force"
+                   : note;
+    return "nothing";
+  };
+  EXPECT_EQ(told({"world.joint_friction=1"}), "with its force");
+  EXPECT_EQ(told({"world.joint_friction=0.05"}), "nothing");
+  EXPECT_EQ(told({"world.joint_friction=1", "control.wrench=ground_truth"}), "nothing");
 }
 
 }  // namespace

@@ -61,5 +61,21 @@ TEST_F(SmallArm, StartsNearerToItsBaseAndSaysSo) {
   EXPECT_THROW(prepare_plan(resolve(options), {}, Unreachable::tell), InputError);
 }
 
+// As a vendor's arm whose meshes are four times as large as it is.
+TEST_F(SmallArm, ALinkThatHidesTheCanvasIsNamed) {
+  const std::string huge = changed(
+      iiwa_urdf(), "<link name=\"link_0\">\n",
+      "<collision><origin xyz=\"0 0 0.07875\" rpy=\"0 0 0\"/><geometry><cylinder radius=\"0.09\"",
+      "<collision><origin xyz=\"0 0 0.07875\" rpy=\"0 0 0\"/><geometry><cylinder radius=\"0.9\"");
+  DrawOptions options;
+  options.assignments = {"arm.urdf=" + write("huge.urdf", huge).string()};
+  try {
+    prepare_plan(resolve(options), {}, Unreachable::tell);
+    FAIL() << "is planned";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("link_0, whose body is 1.8 m across, stands"));
+  }
+}
+
 }  // namespace
 }  // namespace impedraw

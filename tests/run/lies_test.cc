@@ -117,6 +117,26 @@ TEST(Lies, OfTheScenarioAreNamed) {
   }
 }
 
+// With a sensor the first such reading was taken for hammering, and one at the end of the sensor's
+// range for none at all: the run went on for ever with the last wrench before it.
+TEST(Lies, AFalseWrenchOfASensorIsNamed) {
+  for (const auto& [name, cause] :
+       {std::pair("bowl-sine-sensor", "fence.force: the force on the tip was"),
+        {"bowl-sine-touch", "fence.force: the force on the tip was"},
+        {"bowl-sine-realistic", "the wrench sensor stays at the end of its range (100 N"},
+        {"bowl-sine-real", "the wrench sensor stays at the end of its range (100 N"}}) {
+    SCOPED_TRACE(name);
+    Prepared e = prepared(name, {"faults=[{kind: false_wrench, start: 0.4, duration: 1000}]"});
+    const double begun = time_at(e.plan.path, 0.4);
+    Liar arm(e);
+    const RunOutcome outcome = run(e, arm, {}, 0.0);
+    EXPECT_EQ(outcome.end, RunEnd::stopped);
+    EXPECT_THAT(outcome.cause, testing::StartsWith(cause));
+    EXPECT_LE(found_at(outcome), begun + 0.1);
+    EXPECT_EQ(arm.sent.back(), 0.0);
+  }
+}
+
 TEST(Lies, AnArmThatStandsStillIsNotPlayedThePlan) {
   for (const char* name : {"bowl-sine", "bowl-sine-natural", "bowl-sine-realistic", "bowl-m-blind",
                            "bowl-sine-touch", "wall"}) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/run/monitors/canvas_monitor.h"
+#include "impedraw/run/monitors/range_monitor.h"
 #include "impedraw/run/monitors/rattle_monitor.h"
 #include "impedraw/run/monitors/reach_monitor.h"
 #include "impedraw/run/monitors/reversal_monitor.h"
@@ -223,6 +224,26 @@ TEST(SecondChance, IsGivenToAnArmThatDrewWellAndAlone) {
   SecondChance chance = after(2.5, 10.0, true);
   chance.take();
   EXPECT_FALSE(chance.given()) << "it has to draw again first";
+}
+
+// A blow of 15 ms is none; one axis at its end for 20 ms is.
+TEST(RangeMonitor, NamesASensorThatStaysAtTheEndOfItsRange) {
+  WrenchEstimatorSettings sensor;
+  sensor.range_force = 99.98;
+  sensor.range_torque = 9.999;
+  RangeMonitor monitor(sensor);
+  MadeUpCycle c;
+  for (int i = 0; i < 15; ++i) {
+    c.state.wrench[1] = -100.0;
+    EXPECT_FALSE(monitor.judge(c.next()));
+  }
+  c.state.wrench.setConstant(9.0);
+  EXPECT_FALSE(monitor.judge(c.next()));
+  c.state.wrench[5] = 10.0;
+  Verdict said;
+  EXPECT_EQ(cycles_until([&] { return monitor.judge(c.next()); }, &said), 20);
+  EXPECT_EQ(said.severity, Severity::halt);
+  EXPECT_THAT(said.cause, HasSubstr("stays at the end of its range"));
 }
 
 }  // namespace

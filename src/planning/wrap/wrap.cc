@@ -65,7 +65,7 @@ class Follower {
   void follow(const PlacedStroke& stroke) {
     number_ = stroke.number;
     dot_ = stroke.p_P.size() == 1;  // else a single point is where the line only touches the patch
-    page_length_ = wrapped_length_ = stroke.start;
+    page_length_ = stroke.start;
     lost_from_ = -1;
     part_ = {};
     stroke_ = &stroke;
@@ -134,11 +134,9 @@ class Follower {
     }
     page_length_ += length;
     if (a.plane && b.plane) {
-      wrapped_length_ += (*b.plane - *a.plane).norm();
       if (length > 0) add(b);
       return;
     }
-    wrapped_length_ += length;
     if (!a.plane && b.plane) {
       if (lost_from_ >= 0) result_.lost.push_back({number_, lost_from_, page_length_});
       begin(b);
@@ -149,7 +147,7 @@ class Follower {
     lost_from_ = p.plane ? -1 : page_length_;
     if (!p.plane) return;
     part_.number = number_;
-    part_.start = wrapped_length_;
+    part_.start = page_length_;
     part_.speed = stroke_->speed;
     part_.depth = stroke_->depth;
     if (page_length_ == 0.0) {
@@ -180,7 +178,7 @@ class Follower {
   const PlacedStroke* stroke_ = nullptr;
   int number_ = 0;
   bool dot_ = false, pressed_ = false;
-  double page_length_ = 0, wrapped_length_ = 0, lost_from_ = -1;
+  double page_length_ = 0, lost_from_ = -1;
 };
 
 }  // namespace

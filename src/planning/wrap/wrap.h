@@ -42,7 +42,7 @@ void validate(const WrapSettings& settings);
 
 struct WrappedStrokes {
   // In the drawing plane. A stroke that leaves the patch is split into several with the same
-  // number; `start` counts the lost parts by their flat length.
+  // number; `start` is the place along the flat stroke.
   std::vector<PlacedStroke> strokes;
   std::vector<StrokePart> lost;  // the parts off the patch, measured along the flat strokes [m]
 };

@@ -35,6 +35,9 @@ class FenceMonitor {
   // The same, after a cycle.
   Verdict judge(const Cycle& cycle);
 
+  // The force is beyond its fence, confirmed or not: until it is, no other monitor names a cause.
+  bool force_beyond() const { return force_above_ > 0.0; }
+
   // The fence that was crossed, with its value and the measured one; empty: none.
   std::string crossed() const;
 
