@@ -58,9 +58,9 @@ inline constexpr double kFarOff = 5.0;  // [mm]
 // run.h5, JSON. Without it (older logs), metrics that need it are null.
 struct Promise {
   // Lengths are in the drawing plane, of a wrapped drawing those before it was wrapped [m]. Of the
-  // artwork, hatched and dashed: `asked`. Of the parts that are drawn: `promised`. Of those that the
-  // pre-flight names with a reason: `undrawable`. Neither promised nor named: `unnamed`, 0 but for
-  // rounding or a fault.
+  // artwork, hatched and dashed: `asked`. Of the parts that are drawn: `promised`. Of those which
+  // the pre-flight names with a reason: `undrawable`. Neither promised nor named: `unnamed`, 0 but
+  // for rounding or a fault.
   double asked = 0.0, promised = 0.0, undrawable = 0.0, unnamed = 0.0;
   double flat = 1.0;  // `promised` as a multiple of the plan's strokes in the plane: of a wrap
   // What a planner that knows the true canvas could draw: what lies above it, where it leans by
