@@ -21,6 +21,14 @@ h5::Id file_creation() {
   return list;
 }
 
+// The format of HDF5 1.8 and before, which 1.14 still has by default. That of version 2 keeps many
+// attributes at the file's end, and a file that lost it would lose them.
+h5::Id file_access() {
+  h5::Id list = h5::own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file settings");
+  h5::check(H5Pset_libver_bounds(list, H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST), "file settings");
+  return list;
+}
+
 // Differs whenever a log is written, so that a journal belongs to one log only.
 double new_log_id() {
   std::uint64_t bits = 0;
@@ -134,7 +142,7 @@ LogFile::LogFile() : deflater_(std::make_unique<Deflater>()) {}
 double LogFile::create(const std::filesystem::path& path, const RunLogHeader& header) {
   LogFile log;
   try {
-    log.file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_EXCL, file_creation(), H5P_DEFAULT),
+    log.file_ = h5::own(H5Fcreate(path.c_str(), H5F_ACC_EXCL, file_creation(), file_access()),
                         H5Fclose, "create");
     log.make_tables(header);
     for (Table& table : log.tables_) log.create_datasets(table, header);
@@ -150,7 +158,7 @@ double LogFile::create(const std::filesystem::path& path, const RunLogHeader& he
 LogFile::LogFile(const std::filesystem::path& path, const RunLogHeader& header,
                  const std::vector<std::size_t>& rows)
     : LogFile() {
-  file_ = h5::own(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose, "open");
+  file_ = h5::own(H5Fopen(path.c_str(), H5F_ACC_RDWR, file_access()), H5Fclose, "open");
   make_tables(header);
   for (Table& table : tables_) {
     for (const LogColumn& column : table.columns)
