@@ -22,7 +22,7 @@ class RangeMonitor {
     const Wrench& w = cycle.state->wrench;
     const bool at_end =
         w.head<3>().cwiseAbs().maxCoeff() >= force_ || w.tail<3>().cwiseAbs().maxCoeff() >= torque_;
-    beyond_ = at_end ? beyond_ + cycle.dt : 0.0;
+    beyond_ = at_end && cycle.tared ? beyond_ + cycle.dt : 0.0;  // before: tare_monitor.h
     if (beyond_ < kConfirm - 0.5 * cycle.dt) return {};
     return {Severity::halt,
             fmt::format("the wrench sensor stays at the end of its range ({:.3g} N, {:.3g} Nm) at "
