@@ -60,10 +60,18 @@ int fail(const std::string& what, int code) {
   return code;
 }
 
+// CLI11 fills the lines of a footer anew from version 2.5 on, and examples are no paragraph.
+template <class Formatter>
+void keep_lines_of_footers(Formatter& formatter) {
+  if constexpr (requires { formatter.enable_footer_formatting(false); })
+    formatter.enable_footer_formatting(false);
+}
+
 int run_program(int argc, char** argv) {
   CLI::App app(
       "impedraw: a pen on a simulated robot arm draws on unknown curved surfaces, held there by "
       "operational-space impedance control.");
+  keep_lines_of_footers(*app.get_formatter());
   app.name("./impedraw");
   app.set_version_flag("--version", "impedraw " IMPEDRAW_VERSION, "print the version");
   app.require_subcommand(1);
