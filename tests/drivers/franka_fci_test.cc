@@ -237,7 +237,8 @@ TEST_F(FrankaFciTest, ACycleAllocatesNothing) {
   EXPECT_EQ(allocations_of_this_thread_in([&] { drive(driver, 300); }), 0);
   EXPECT_EQ(driver.fault(), "");
   driver.stop();
-  EXPECT_GT(allocations_of_this_thread_in([] { delete new int(1); }), 0) << "it is counted";
+  EXPECT_GT(allocations_of_this_thread_in([] { ::operator delete(::operator new(4)); }), 0)
+      << "it is counted";
 }
 
 TEST_F(FrankaFciTest, AReflexIsNamedAndRecoveredFrom) {
