@@ -25,7 +25,7 @@ Artwork read_artwork(const std::filesystem::path& file, const SvgSettings& setti
     throw InputError(fmt::format("{}: not a kind of artwork; valid are .svg, .txt, .strokes, .csv",
                                  file.string()));
   }
-  if (!lower_extension(file).starts_with(".svg"))  // .svgz is named by its reader
+  if (!extension.starts_with(".svg"))  // .svgz is named by its reader
     return read_strokes(file, {.unit = unit, .may_be_empty = settings.may_be_empty});
   if (unit != PageUnit::file)
     throw InputError(

@@ -20,7 +20,7 @@ fn plain(word: &str) -> Option<f64> {
 }
 
 /// The value as SVG's attribute has it. None: it is so already, or says what no attribute can.
-pub fn as_attribute(value: &str) -> Option<String> {
+fn as_attribute(value: &str) -> Option<String> {
     let mut functions = Vec::new();
     for function in value.split_inclusive(')').map(str::trim).filter(|f| !f.is_empty()) {
         let (name, words) = function.strip_suffix(')')?.split_once('(')?;

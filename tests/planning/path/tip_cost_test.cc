@@ -1,7 +1,6 @@
 // A large drawing: asking its path for the tip at a time does not touch the heap.
 #include <atomic>
 #include <cstdlib>
-#include <memory>
 #include <new>
 
 #include <gtest/gtest.h>
