@@ -7,6 +7,7 @@ import os
 import pathlib
 import signal
 import sys
+from types import ModuleType
 
 from . import _impedraw
 
@@ -43,7 +44,7 @@ _EXTRAS = {
 }
 
 
-def _part(command: str, extra: str, modules: tuple[str, ...]):
+def _part(command: str, extra: str, modules: tuple[str, ...]) -> ModuleType:
     lacking = [n for n in modules if importlib.util.find_spec(n) is None]
     if lacking:
         print(f"impedraw: {command} needs {', '.join(lacking)}: pip install 'impedraw[{extra}]'", file=sys.stderr)
