@@ -259,6 +259,11 @@ pub fn marked(text: &str, xml: &Document) -> (Option<String>, Marked) {
     ((!inserts.is_empty()).then(|| spliced(text, inserts)), marked)
 }
 
+/// How the reference of a picture begins that is itself an SVG.
+pub const DRAWING: &str = "data:image/svg+xml";
+
+/// Elements with this tag. A picture that is an SVG counts for none.
 pub fn count(xml: &Document, tag: &str) -> usize {
-    xml.descendants().filter(|n| n.is_element() && n.tag_name().name() == tag).count()
+    let is_drawing = |n: Node| n.attributes().any(|a| a.name() == "href" && a.value().trim_start().starts_with(DRAWING));
+    xml.descendants().filter(|n| n.is_element() && n.tag_name().name() == tag && !is_drawing(*n)).count()
 }

@@ -10,12 +10,14 @@
 //! transforms.rs  transforms of CSS
 //! references.rs  what the document refers to and does not hold
 //! font.rs        SVG 1.1 fonts
+//! font_face.rs   fonts that the document holds
 //! complaints.rs  usvg's messages
 
 mod complaints;
 mod document;
 mod dtd;
 mod font;
+mod font_face;
 mod limits;
 mod outlines;
 mod paints;

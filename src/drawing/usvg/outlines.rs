@@ -1,10 +1,10 @@
 //! Converts usvg's tree to paths on the page, in millimetres.
 
-use crate::{complaints, document, dtd, paints, references, texts};
+use crate::{complaints, document, dtd, font_face, paints, references, texts};
 use std::collections::HashMap;
 use std::sync::Arc;
-use usvg::tiny_skia_path::{PathBuilder, PathSegment, PathStroker, Point};
-use usvg::{fontdb, BlendMode, ClipPath, FillRule, Group, ImageHrefResolver, LineCap, Mask, MaskType, Node, Options};
+use usvg::tiny_skia_path::{PathBuilder, PathSegment, PathStroker, Point, Rect};
+use usvg::{fontdb, BlendMode, ClipPath, FillRule, Group, ImageHrefResolver, ImageKind, LineCap, Mask, MaskType, Node, Options};
 use usvg::{Opacity, Paint, PaintOrder, Path, Stroke, Transform, Tree};
 
 const MM_PER_PX: f64 = 25.4 / 96.0;
@@ -106,6 +106,10 @@ fn stroked_area(path: &Path, stroke: &Stroke, ts: Transform) -> Option<usvg::tin
     }
 }
 
+fn drawing_of(kind: &str, data: Arc<Vec<u8>>, options: &Options) -> Option<ImageKind> {
+    (kind == "image/svg+xml").then(|| ImageHrefResolver::default_data_resolver()(kind, data, options))?
+}
+
 impl Outlines {
     /// single: text is put as letters, whose lines the caller draws.
     pub fn read(data: &[u8], single: bool) -> Result<Outlines, String> {
@@ -141,12 +145,13 @@ impl Outlines {
             outlines.warnings.push("a style sheet outside of the file is not read".to_string());
         }
         let mut options = Options {
-            // Nothing outside the file is read, and a pen cannot draw embedded pictures.
-            image_href_resolver: ImageHrefResolver { resolve_data: Box::new(|_, _, _| None), resolve_string: Box::new(|_, _| None) },
+            // Nothing outside the file is read. Of the pictures in it, a pen draws those that are SVG.
+            image_href_resolver: ImageHrefResolver { resolve_data: Box::new(drawing_of), resolve_string: Box::new(|_, _| None) },
             ..Options::default()
         };
-        if document::count(&xml, "text") > 0 {
-            let fonts = texts::fonts();
+        if document::count(&xml, "text") > 0 || given.contains(document::DRAWING) {
+            let mut fonts = texts::fonts();
+            outlines.warnings.extend(font_face::load(&xml, &mut fonts));
             options.font_family = fonts.family_name(&fontdb::Family::Serif).to_string(); // of text that names none
             options.fontdb = Arc::new(fonts);
             options.font_resolver.select_font = Box::new(texts::select_font);
@@ -228,7 +233,13 @@ impl Outlines {
                 Node::Group(group) => self.add_group(group, ts, layer, clip),
                 Node::Path(path) => self.add_path(path, ts, layer, clip),
                 Node::Text(text) => self.add_text(text, ts, layer, clip),
-                Node::Image(_) => {}
+                Node::Image(image) => {
+                    if let (true, ImageKind::SVG(drawing)) = (image.is_visible(), image.kind()) {
+                        let page = Rect::from_xywh(0.0, 0.0, drawing.size().width(), drawing.size().height());
+                        let clip = page.map_or(clip, |page| self.clip_to(&PathBuilder::from_rect(page), ts, clip));
+                        self.add_group(drawing.root(), ts, layer, clip);
+                    }
+                }
             }
         }
         self.groups.pop();
@@ -348,6 +359,10 @@ impl Outlines {
         Some(0)
     }
 
+    pub fn opacity_of_groups(&self) -> f32 {
+        self.groups.iter().map(|(opacity, _)| opacity).product()
+    }
+
     pub fn layer_index(&mut self, id: Option<&str>) -> u32 {
         let id = id.unwrap_or(""); // in no group
         if let Some(index) = self.seen.get(id) {
@@ -384,7 +399,7 @@ impl Outlines {
         let length = limit.checked_sub(document::FIRST_LENGTH).and_then(|index| self.marked.lengths.get(index)).copied();
         let hides_from = fill.and_then(|f| hiding(f.paint(), f.opacity()));
         let covers_from = stroke.and_then(|s| hiding(s.paint(), s.opacity()));
-        let opaque: f32 = self.groups.iter().map(|(opacity, _)| opacity).product();
+        let opaque = self.opacity_of_groups();
         let is_plain = |paint: &Paint, opacity: Opacity| (matches!(paint, Paint::Color(_)) && opacity.get() * opaque > PLAIN) as u8;
         let plain = fill.map_or(0, |f| is_plain(f.paint(), f.opacity()) + 4 * paints::fades(f.paint()) as u8)
             + 2 * stroke.map_or(0, |s| is_plain(s.paint(), s.opacity()));
@@ -420,7 +435,7 @@ impl Outlines {
         });
         // A stroke that is clear in part is cut there.
         if let Some(stroke) = stroke.filter(|_| fill.is_none() && white.is_none() && covers_from.is_none()) {
-            let shows = |band: &paints::Band| paints::is_seen(band, stroke.opacity().get());
+            let shows = |band: &paints::Band| paints::is_seen(band, opaque * stroke.opacity().get());
             drawn.clip = self.clip_to_bands(stroke.paint(), path.stroke_bounding_box(), ts, clip, shows);
         }
         self.dashes.extend(dashes.iter().map(|&length| length as f64));

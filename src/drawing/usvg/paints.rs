@@ -4,7 +4,8 @@ use usvg::tiny_skia_path::{Path, PathBuilder, Point, Rect};
 use usvg::{BaseGradient, Color, Paint, SpreadMethod, Stop, Transform};
 
 const WHITE: u32 = 250; // least red, green and blue of white
-pub const LIGHT: f32 = 0.965; // what is lighter is as good as white
+const LIGHT: f32 = 0.965; // what is lighter is as good as white
+const CLEAR: f32 = 0.08; // an opacity below which black on grey is no edge
 const MOST_PERIODS: f32 = 64.0; // of a gradient that repeats
 const FINEST: f32 = 1.0 / 16.0; // change of light or opacity within a band
 const BESIDE: f32 = 1e-4; // of a gradient's length, on either side of a leap
@@ -63,13 +64,13 @@ pub struct Band {
 
 /// False where the band, painted with this opacity, is as good as white or clear.
 pub fn is_seen(band: &Band, opacity: f32) -> bool {
-    band.luminance <= LIGHT && band.opacity * opacity >= 1.0 - LIGHT
+    band.luminance <= LIGHT && band.opacity * opacity >= CLEAR
 }
 
 /// A gradient from one colour to the same one, clear: a shadow.
 pub fn fades(paint: &Paint) -> bool {
     stops(paint).is_some_and(|stops| {
-        stops.iter().all(|s| s.color() == stops[0].color()) && stops.iter().any(|s| s.opacity().get() < 1.0 - LIGHT)
+        stops.iter().all(|s| s.color() == stops[0].color()) && stops.iter().any(|s| s.opacity().get() < CLEAR)
     })
 }
 

@@ -31,9 +31,7 @@ impl Outlines {
             for column in *columns.start() as i32..=*columns.end() as i32 {
                 let (x, y) = (rect.x() + column as f32 * rect.width(), rect.y() + row as f32 * rect.height());
                 let ts = ts.pre_concat(to_shape).pre_translate(x, y);
-                self.clips.push(SvgClip { parent: shape, mask: 0 });
-                let number = self.clips.len() as u32;
-                self.put(&tile, ts, SvgPath { shapes: number, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() });
+                let number = self.clip_to(&tile, ts, shape);
                 self.add_group(pattern.root(), ts, layer, number);
             }
         }
@@ -44,8 +42,9 @@ impl Outlines {
     /// A gradient hides its shape's edge where it is as good as white or clear.
     pub fn add_clear_bands(&mut self, path: &Path, fill: &Fill, ts: Transform, layer: u32, clip: u32, hides_from: usize) {
         let Some((bands, to_shape)) = paints::bands(fill.paint(), path.data().bounds()) else { return };
+        let opacity = fill.opacity().get() * self.opacity_of_groups();
         let mut clear = PathBuilder::new(); // where two of them meet, an edge would lie inside neither
-        for band in bands.iter().filter(|band| !paints::is_seen(band, fill.opacity().get())) {
+        for band in bands.iter().filter(|band| !paints::is_seen(band, opacity)) {
             clear.push_path(&band.area);
         }
         let Some(clear) = clear.finish() else { return };
@@ -73,6 +72,14 @@ impl Outlines {
         let least = bands.iter().filter(|band| shows(band)).map(|band| band.opacity).reduce(f32::min);
         let clip = self.clip_to_bands(paint, data.bounds(), ts, area.clip, shows);
         self.put(data, ts, SvgPath { clip, filled: 1, fill: 0xffffff, hides: 4, alpha: area.alpha * least.unwrap_or(1.0), ..area });
+    }
+
+    /// A clip of an area.
+    pub fn clip_to(&mut self, area: &tiny_skia_path::Path, ts: Transform, parent: u32) -> u32 {
+        self.clips.push(SvgClip { parent, mask: 0 });
+        let number = self.clips.len() as u32;
+        self.put(area, ts, SvgPath { shapes: number, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() });
+        number
     }
 
     /// A clip of the area that the path fills.

@@ -1,7 +1,12 @@
 """What is drawn of small SVGs of each kind is what Chromium shows of them."""
 
+import base64
 import os
 import pathlib
+import shutil
+import struct
+import subprocess
+import zlib
 
 import pytest
 import seen
@@ -10,6 +15,38 @@ PROGRAM = os.environ.get("DRAWN_STROKES", "build/release/tests/drawing/drawn_str
 SIDE = 120  # [mm]: at half the tool's size a kind takes half a second
 RECT = "<rect x='15' y='15' width='70' height='70'"
 LINES = "<path d='M0 20H100M0 50H100M0 80H100' stroke='black' fill='none'/>"
+
+INNER = b"<svg xmlns='http://www.w3.org/2000/svg' width='20' height='20' viewBox='0 0 20 20'><circle cx='10' cy='10' r='9' fill='#6bb' stroke='black'/><path d='M2 2L18 18' stroke='red'/></svg>"
+
+
+def woff(font):
+    """A TrueType font as WOFF: the head, where each table lies, the tables packed."""
+    count = struct.unpack(">H", font[4:6])[0]
+    entries, tables, at = b"", b"", 44 + 20 * count
+    for k in range(count):
+        tag, checksum, offset, size = struct.unpack(">4s3I", font[12 + 16 * k : 28 + 16 * k])
+        table = font[offset : offset + size]
+        packed = min(zlib.compress(table), table, key=len)
+        entries += tag + struct.pack(">4I", at + len(tables), len(packed), size, checksum)
+        tables += packed + bytes(-len(packed) % 4)
+    return struct.pack(">4s4sIHHI2H5I", b"wOFF", font[:4], at + len(tables), count, 0, len(font), 1, 0, 0, 0, 0, 0, 0) + entries + tables
+
+
+def own_fonts():
+    """Text in fonts that the drawing holds, one of them under the name of an installed font."""
+    match = shutil.which("fc-match")
+    found = subprocess.run([match, "-f", "%{file}", "DejaVu Serif:bold"], capture_output=True, text=True).stdout if match else ""
+    if not found.endswith(".ttf"):
+        return LINES
+    font = pathlib.Path(found).read_bytes()
+    data = [base64.b64encode(f).decode() for f in (font, woff(font))]
+    return (
+        "<style>@font-face { font-family: 'Own'; src: url(https://example.org/own.ttf), "
+        f'url("data:font/ttf;base64,{data[0]}") }}\n@font-face {{ font-family: DejaVu Sans; font-weight: 400; '
+        f"src: url(data:font/woff;base64,{data[1]}) format('woff') }}</style>"
+        "<text x='5' y='40' font-size='22' font-family='Own'>Radij</text><text x='5' y='80' font-size='22' font-family='DejaVu Sans'>Radij</text>"
+    )
+
 
 KINDS = {
     "beyond the page": "<circle cx='90' cy='50' r='30' fill='#36c'/><path d='M-20 20L120 80' stroke='red'/>",
@@ -60,6 +97,8 @@ KINDS = {
     "<path d='M0 -10H10V10H0Z' transform='matrix(-1 0 0 1 20 80)' fill='url(#r)'/></g><path d='M15 20H85V75H15Z' fill='#68b'/>",
     "alike colours": RECT + " fill='#ca353c'/><path d='M50 10H70V90Z' fill='#c9353d'/>",
     "units": ("width='1in' height='2.54cm'", "<path d='M2mm' /><line x1='5mm' y1='20%' x2='.8in' y2='12pt' stroke='black'/><circle cx='50%' cy='3pc' r='5mm'/>"),
+    "fonts of its own": own_fonts(),
+    "a picture that is a drawing": f"<image href='data:image/svg+xml;base64,{base64.b64encode(INNER).decode()}' x='10' y='20' width='70' height='30'/>",
     "nested pages": "<svg x='10' y='10' width='50' height='80' viewBox='0 0 10 10'>" + "<circle cx='9' cy='5' r='4' fill='#a5a'/></svg>" + LINES,
     "not scaling": ("viewBox='0 0 10 10'", "<path d='M1 1L9 5 1 9' fill='none' stroke='black' vector-effect='non-scaling-stroke' stroke-width='2'/>"),
 }  # fmt: skip
