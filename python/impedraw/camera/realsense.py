@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import pathlib
 import sqlite3
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -33,20 +35,28 @@ class RealSense:
         config = rs.config()
         if self._recording:
             rs.config.enable_device_from_file(config, self._recording, repeat_playback=False)
-        try:
-            profile = self._pipeline.start(config)
-        except RuntimeError as error:
-            if self._recording:
-                raise ValueError(f"{self._recording} is no recording of the RealSense SDK: {error}") from None
-            raise ValueError(f"no RealSense camera answers: {error}; is it plugged in, and does no other program use it?") from None
-        device = profile.get_device()
-        self.name = device.get_info(rs.camera_info.name) if device.supports(rs.camera_info.name) else "RealSense"
-        sensor = device.first_depth_sensor()
+        # What is refused is refused before the SDK's thread reads a recording: to end it at once could end the process.
+        self._read(self._reached(lambda: config.resolve(rs.pipeline_wrapper(self._pipeline))))
+        device = self._reached(lambda: self._pipeline.start(config)).get_device()
         self.duration = 0.0  # of a recording [s]
         self._playback = device.as_playback() if self._recording else None
         if self._playback:
             self._playback.set_real_time(False)
             self.duration = self._playback.get_duration().total_seconds()
+
+    def _reached(self, call: Callable[[], Any]) -> Any:
+        try:
+            return call()
+        except RuntimeError as error:
+            if self._recording:
+                raise ValueError(f"{self._recording} is no recording of the RealSense SDK: {error}") from None
+            raise ValueError(f"no RealSense camera answers: {error}; is it plugged in, and does no other program use it?") from None
+
+    def _read(self, profile: Any) -> None:
+        rs = self._rs
+        device = profile.get_device()
+        self.name = device.get_info(rs.camera_info.name) if device.supports(rs.camera_info.name) else "RealSense"
+        sensor = device.first_depth_sensor()
         self._set(sensor)
         self._scale = sensor.get_option(rs.option.depth_units) if sensor.supports(rs.option.depth_units) else 1e-3
         streams = {s.stream_type() for s in profile.get_streams()}
