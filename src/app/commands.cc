@@ -24,9 +24,6 @@
 namespace impedraw {
 namespace {
 
-// A drawing of which so much can be drawn elsewhere on the object is moved there.
-constexpr double kMost = 0.98;
-
 namespace fs = std::filesystem;
 
 fs::path folder_for(const DrawOptions& options, const Scenario& scenario) {
@@ -135,7 +132,7 @@ Scenario placed_with_canvas(const Scenario& scenario, const Places& places) {
   if (!found.passes) {  // elsewhere on the object it may be drawn
     try {
       const SurfacePlace elsewhere = found_on_surface({}, scenario, places);
-      if (elsewhere.share >= kMost) return placed_on_surface(elsewhere);
+      if (elsewhere.share >= kNearlyAll) return placed_on_surface(elsewhere);
     } catch (const InputError&) {  // there is no place for it
     }
   }

@@ -180,8 +180,13 @@ TriangleMesh parse_mesh(std::string_view text, const std::string& name, const Me
                         std::vector<std::string>* warnings) {
   const Parser parse = require_parser(name);
   const NamedMesh named = named_mesh(name);
-  const auto fail = [&](const char* what) { throw InputError(name + ": " + what); };
+  const auto fail = [&](const std::string& what) { throw InputError(name + ": " + what); };
   if (text.empty()) fail("the file is empty, must hold triangles");
+  static constexpr std::pair<std::string_view, const char*> kHeads[] = {
+      {"glTF", ".glb"}, {"ply\n", ".ply"}, {"ply\r", ".ply"}, {"OFF\n", ".off"}};
+  for (const auto& [head, ending] : kHeads)
+    if (text.starts_with(head) && lower_extension(named.file) != ending)
+      fail(fmt::format("holds what a {} file holds, must be named so", ending));
   if (text.starts_with("PK\3\4") && lower_extension(name) != ".3mf")
     fail("is a zip archive, must be unpacked (or named .3mf, if it is one)");
   if (text.starts_with("\x1f\x8b")) fail("is packed by gzip, must be unpacked");
@@ -191,7 +196,11 @@ TriangleMesh parse_mesh(std::string_view text, const std::string& name, const Me
   if (polygons.faces() == 0) {
     throw InputError(fmt::format(
         "{}: holds no triangle{}", name,
-        polygons.vertices.empty() ? ", must hold at least one" : std::string(": ") + kCloud));
+        polygons.vertices.empty()
+            ? ", must hold at least one"
+            : fmt::format(": its {} points have no faces. A point cloud, or lines, must be made "
+                          "into a mesh (as by MeshLab)",
+                          polygons.vertices.size())));
   }
   const std::size_t triangles = polygons.corners.size() - 2 * polygons.faces();
   if (triangles > kMostTriangles) {

@@ -25,7 +25,7 @@ struct ToolSettings {
   Swivel swivel = Swivel::spot;
 };
 
-// Its heading is led along the lines (blade_plan.h).
+// Its heading is led along the lines (led_heading.h).
 inline bool is_led(const ToolSettings& tool) {
   return tool.kind == ToolKind::blade || tool.kind == ToolKind::roller;
 }

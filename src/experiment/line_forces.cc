@@ -104,8 +104,7 @@ void give_cuts(const Scenario& s, const CutterSettings& cutter, PlacedArtwork* a
   lay(&artwork->shape.drawn.strokes, n, depths.size());
   if (auto& ideal = artwork->shape.ideal)
     lay(&ideal->strokes, ideal->strokes.size(), depths.size());
-  for (auto* lines : {&artwork->strokes, artwork->ideal ? &*artwork->ideal : nullptr}) {
-    if (!lines) continue;
+  const auto cut = [&](std::vector<PlacedStroke>* lines) {
     const std::size_t one = lines->size();
     lay(lines, one, depths.size());
     for (std::size_t i = 0; i < lines->size(); ++i) {
@@ -117,7 +116,9 @@ void give_cuts(const Scenario& s, const CutterSettings& cutter, PlacedArtwork* a
                    before = pass > 0 ? depths[pass - 1] : 0.0;
       line.force.assign(line.p_P.size(), cut_forces(cutter, depths[pass], before, speed).normal);
     }
-  }
+  };
+  cut(&artwork->strokes);
+  if (artwork->ideal) cut(&*artwork->ideal);
 }
 
 }  // namespace

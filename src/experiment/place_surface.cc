@@ -28,7 +28,7 @@ constexpr double kCalmIfNear = 0.3;  // weight of a calm surface then
 constexpr double kShrink = 0.85, kSmallest = 0.25;
 constexpr int kChecked = 20, kWhole = 3,
               kInVain = 12;  // places: checked; that suffice; since the best one
-constexpr double kAll = 0.999, kMost = 0.98, kPromising = 0.95;
+constexpr double kAll = 0.999, kPromising = 0.95;
 constexpr std::size_t kTilts = 4;  // that are tried where the given plane does not do
 constexpr double kTilted = 0.01;   // what a tilted plane must be better by
 constexpr double kHopeless = 5.0;  // cost of a tilt that is not tried
@@ -160,7 +160,7 @@ struct Checked {
 
   // The cheaper one wins of those that can be drawn but for a trace.
   bool better_than(const Checked& other) const {
-    const double mine = std::min(share, kMost), its = std::min(other.share, kMost);
+    const double mine = std::min(share, kNearlyAll), its = std::min(other.share, kNearlyAll);
     return mine > its || (mine == its && cost < other.cost);
   }
 };
@@ -375,7 +375,7 @@ SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
       best = checked;
       in_vain = 0;
     }
-    if (!wish.shrink || best.share >= kMost) break;
+    if (!wish.shrink || best.share >= kNearlyAll) break;
   }
   SurfacePlace result;
   if (!(best.share > 0.0)) {  // the given place, whatever the search thinks of it
@@ -407,7 +407,7 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
   between(0.0, 0.1)(0.0);  // a capture's views take seconds to be put onto each other
   PlaceBench level(scenario, places, wish);
   SurfacePlace best = level.best_place(wish, between(0.1, 0.4));
-  if (best.share < kMost && scenario.drawing.tilt_deg.isZero()) {
+  if (best.share < kNearlyAll && scenario.drawing.tilt_deg.isZero()) {
     double from = 0.5;
     for (const Vector3d& tilt : level.tilts(wish)) {
       Scenario tilted = scenario;
@@ -418,7 +418,7 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
         if (found.share > best.share + kTilted) best = std::move(found);
       } catch (const InputError&) {  // no posture to start from, for example
       }
-      if (best.share >= kMost) break;
+      if (best.share >= kNearlyAll) break;
       from += 0.5 / kTilts;
     }
   }

@@ -26,6 +26,9 @@ struct SurfaceWish {
   bool shrink = false;  // the drawing may get smaller, down to a quarter
 };
 
+// Of a drawing's length: where more of it can be drawn, no better place is looked for.
+inline constexpr double kNearlyAll = 0.98;
+
 struct SurfacePlace {
   Scenario scenario;  // as given but for drawing.placement and, where it was level, drawing.tilt
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();      // surface at the drawing's middle [m]

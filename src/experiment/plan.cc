@@ -7,12 +7,13 @@
 #include <fmt/format.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
-#include "impedraw/experiment/blade_plan.h"
 #include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/led_heading.h"
 #include "impedraw/experiment/line_forces.h"
 #include "impedraw/experiment/plan_notes.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/experiment/start_posture.h"
+#include "impedraw/experiment/tool_fit.h"
 #include "impedraw/planning/describe_path.h"
 #include "impedraw/planning/preflight/crawl.h"
 #include "impedraw/planning/stroke_ruler.h"

@@ -190,20 +190,31 @@ CameraPoints points_of_cameras(const Scenario& s, const Canvas& canvas, const Wo
   return seen;
 }
 
-// `where`: what fills which box, for the error.
-SurfaceEstimator estimator_of(const PointCloud& seen, const PerceptionSettings& p,
-                              const std::string& where) {
+SurfaceEstimator estimator_of(const PointCloud& seen, const PerceptionSettings& p) {
   PointCloud cloud = thin(seen, p.voxel);
   if (cloud.points.size() < static_cast<std::size_t>(p.normals.k))
     throw InputError(fmt::format(
         "the cameras see {} points of the canvas within perception.region ({:.2f} to {:.2f}, "
-        "{:.2f} to {:.2f}, {:.2f} to {:.2f} m); at least {} are needed{}",
+        "{:.2f} to {:.2f}, {:.2f} to {:.2f} m); at least {} are needed",
         cloud.points.size(), p.region_lower.x(), p.region_upper.x(), p.region_lower.y(),
-        p.region_upper.y(), p.region_lower.z(), p.region_upper.z(), p.normals.k, where));
+        p.region_upper.y(), p.region_lower.z(), p.region_upper.z(), p.normals.k));
   FinerClouds finer;
   if (p.adapt && p.voxel > 0.0)
     for (const double share : {0.5, 0.25}) finer.push_back(thin(seen, share * p.voxel));
   return SurfaceEstimator(std::move(cloud), p.normals, std::move(finer));
+}
+
+// Where the simulated canvas lies, and which of the arm's bodies stands there.
+std::string place_of(const Canvas& canvas, ArmModel& arm, const JointVector& q, double padding) {
+  const Eigen::AlignedBox3d box = canvas.bounds();
+  std::string where = fmt::format(
+      "; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m)", box.min().x(),
+      box.max().x(), box.min().y(), box.max().y(), box.min().z(), box.max().z());
+  for (const BodyCapsule& body : arm.body_capsules(q))
+    if (inside({body.a_W, body.b_W, body.radius}, padding, box.center()))
+      where += fmt::format("; {}, whose body is {:.2g} m across, stands there", body.link,
+                           2.0 * body.radius);
+  return where;
 }
 
 // With normals of as many points as the cloud's noise asks for.
@@ -224,18 +235,14 @@ PerceptionSettings for_noise(const PerceptionSettings& p, const PointCloud& clou
 
 Snapshot take_snapshot(const Scenario& s, const Canvas& canvas, const World& world, ArmModel& arm,
                        const JointVector& q, std::vector<std::string>* notes) {
-  const Eigen::AlignedBox3d box = canvas.bounds();
   CameraPoints seen = points_of_cameras(s, canvas, world, arm, q, notes);
   const PerceptionSettings used =
       s.perception.stereo ? for_noise(s.perception, seen.cloud, notes) : s.perception;
-  std::string where = fmt::format(
-      "; the canvas fills ({:.2f} to {:.2f}, {:.2f} to {:.2f}, {:.2f} to {:.2f} m)", box.min().x(),
-      box.max().x(), box.min().y(), box.max().y(), box.min().z(), box.max().z());
-  for (const BodyCapsule& body : arm.body_capsules(q))
-    if (inside({body.a_W, body.b_W, body.radius}, s.perception.self_padding, box.center()))
-      where += fmt::format("; {}, whose body is {:.2g} m across, stands there", body.link,
-                           2.0 * body.radius);
-  return {estimator_of(seen.cloud, used, where), {}, std::move(seen.corrections)};
+  try {
+    return {estimator_of(seen.cloud, used), {}, std::move(seen.corrections)};
+  } catch (const InputError& error) {
+    throw InputError(error.what() + place_of(canvas, arm, q, s.perception.self_padding));
+  }
 }
 
 Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, bool placed, ArmModel& arm,
@@ -255,7 +262,7 @@ Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, bool placed, ArmMode
     notes->insert(notes->end(), found.notes.begin(), found.notes.end());
   }
   const PerceptionSettings used = for_noise(p, found.canvas, notes);
-  Snapshot snapshot{estimator_of(found.canvas, used, ""), thin(found.beside, p.voxel), {}};
+  Snapshot snapshot{estimator_of(found.canvas, used), thin(found.beside, p.voxel), {}};
   for (const AlignedView& view : read.alignment.views) snapshot.corrections.push_back({view.T, {}});
   return snapshot;
 }

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "impedraw/experiment/blade_plan.h"
+#include "impedraw/experiment/led_heading.h"
 
 namespace impedraw {
 

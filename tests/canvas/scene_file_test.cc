@@ -207,6 +207,8 @@ TEST_F(SceneFile, A3mfIsPlacedByItsBuildAndScaledByItsUnit) {
               HasSubstr("production extension"));
   EXPECT_THAT(refusal_of("a.3mf", zip({{"a.txt", "x"}})), HasSubstr("no archive with a 3D model"));
   EXPECT_THAT(refusal_of("a.stl", square_3mf("")), HasSubstr("zip archive"));
+  EXPECT_THAT(refusal_of("a.stl", "glTF\2"), HasSubstr("what a .glb file holds"));
+  EXPECT_THAT(refusal_of("a.obj", "ply\r\n"), HasSubstr("what a .ply file holds"));
 }
 
 // ---- Collada
@@ -356,6 +358,7 @@ TEST_F(SceneFile, APointCloudIsCalledOne) {
       "z\nend_header\n0 0 0\n";
   EXPECT_THAT(refusal_of("a.ply", cloud), HasSubstr("point cloud"));
   EXPECT_THAT(refusal_of("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"), HasSubstr("point cloud"));
+  EXPECT_THAT(refusal_of("a.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n"), HasSubstr("2 points have no"));
   for (const char* name : {"a.xyz", "a.pcd", "a.LAS"})
     EXPECT_THAT(refusal_of(name, "0 0 0\n"), HasSubstr("point cloud"));
 }

@@ -25,10 +25,4 @@ std::vector<PlacedStroke> cut_where_turned(std::vector<PlacedStroke> strokes,
                                            const ToolHeading& heading, const Pose& X_WP,
                                            double corner_angle, std::vector<std::string>* notes);
 
-// Throws InputError where the face does not fit the lines or the surface: an edge whose ends leave
-// a corner or a bend by more than 0.2 mm, or, on a curved surface, do not touch; a pad of whose rim
-// nothing touches.
-void require_fit(const Scenario& scenario, const Plan& plan, const SurfaceHeight& surface,
-                 const SettingErrors& setting_errors);
-
 }  // namespace impedraw

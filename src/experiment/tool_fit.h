@@ -1,0 +1,14 @@
+// Whether a tool's face fits the lines and the surface.
+#pragma once
+
+#include "impedraw/experiment/plan.h"
+
+namespace impedraw {
+
+// Throws InputError where the face does not fit the lines or the surface: an edge whose ends leave
+// a corner or a bend by more than 0.2 mm, or, on a curved surface, do not touch; a pad of whose rim
+// nothing touches.
+void require_fit(const Scenario& scenario, const Plan& plan, const SurfaceHeight& surface,
+                 const SettingErrors& setting_errors);
+
+}  // namespace impedraw
