@@ -1,8 +1,8 @@
 # What IMPEDRAW_LIBRARY_ONLY builds: the folders of the components asked for, with what they need
 # from where CMake finds it (CMAKE_PREFIX_PATH).
-find_package(Eigen3 3.4 QUIET NO_MODULE)
-if(NOT Eigen3_FOUND)
-  message(FATAL_ERROR "the library needs Eigen 3.4, and CMake finds none: install libeigen3-dev, or "
+find_package(Eigen3 QUIET NO_MODULE)  # a version asked for would exclude the next major one
+if(NOT Eigen3_FOUND OR Eigen3_VERSION VERSION_LESS 3.4)
+  message(FATAL_ERROR "the library needs Eigen from 3.4 on, and CMake finds none: install libeigen3-dev, or "
     "name a folder that holds one, as in -DCMAKE_PREFIX_PATH=/opt/eigen")
 endif()
 set(valid control sensing perception planning arm)

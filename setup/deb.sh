@@ -34,7 +34,7 @@ step "building the packages"
 
 # The program: the Python package in a folder of its own, with those libraries of other wheels that it loads, as they stand in a venv.
 lib=$stage/impedraw/usr/lib/impedraw
-site=$(cd "$venv"/lib/python3*/site-packages && pwd)
+site=$(cd "$venv/lib/python3/site-packages" && pwd -P)
 rm -rf "$lib"/impedraw/data/{hershey-fonts,fonts}  # of hershey-fonts-data, and of what fontconfig needs
 ln -s ../../../../share/hershey-fonts "$lib/impedraw/data/hershey-fonts"
 LD_LIBRARY_PATH=$site/mujoco:$site/cmeel.prefix/lib ldd "$lib"/impedraw/_impedraw.*.so | awk '{print $3}' | grep "^$site/" | while read -r from; do
