@@ -99,6 +99,8 @@ mkdir -p "$root/dist"
 rm -f "$root"/dist/*impedraw*.deb
 printf 'libimpedraw %s %s (>= %s~)\n' "${soname#libimpedraw}" "$soname" "$number" | install -Dm 644 /dev/stdin "$stage/$soname/DEBIAN/shlibs"
 printf 'activate-noawait ldconfig\n' >"$stage/$soname/DEBIAN/triggers"
+printf '# A copy of minizip is compiled into the library of Assimp'"'"'s wheel, which Pinocchio loads.\nimpedraw: embedded-library *\n' |
+  install -Dm 644 /dev/stdin "$stage/impedraw/usr/share/lintian/overrides/impedraw"
 pack impedraw science "python3, python3-numpy, python3-h5py, hershey-fonts-data, $(needs "$lib"/impedraw/_impedraw.*.so "$lib"/*/*.so* "$lib"/*/lib/*.so*)" \
   "draws on unknown curved surfaces with a simulated robot arm" "A pen on a robot arm, held by operational-space impedance control, draws SVG files, text or strokes on surfaces that depth cameras have seen. It checks what can be drawn, draws, and reports line, force and tilt."
 pack "$soname" libs "$(needs "$stage/$soname/usr/lib/$folder"/*.so.*)" \
