@@ -134,6 +134,11 @@ fn fault_of(name: &str, value: &str) -> Option<String> {
     None
 }
 
+/// The texts of the document's style elements.
+pub fn style_sheets<'a, 'i>(xml: &'a Document<'i>) -> impl Iterator<Item = Node<'a, 'i>> {
+    xml.descendants().filter(|n| n.is_text() && n.parent().is_some_and(|p| p.tag_name().name() == "style"))
+}
+
 /// Puts into usvg's words what it does not know: lengths in quarter-millimetres (40Q, a CSS unit),
 /// transforms of CSS, and declarations without a value, behind which it would read none. None: the
 /// document has none.
@@ -158,7 +163,7 @@ pub fn in_known_words(text: &str, xml: &Document) -> Option<String> {
             inserts.push((within, format!("{:e}mm", quarters / 4.0)));
         }
     }
-    for sheet in xml.descendants().filter(|n| n.is_text() && n.parent().is_some_and(|p| p.tag_name().name() == "style")) {
+    for sheet in style_sheets(xml) {
         let css = sheet.text().unwrap_or_default();
         let plain = transforms::rewritten(css);
         let within = sheet.range();

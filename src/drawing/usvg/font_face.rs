@@ -1,5 +1,6 @@
 //! Fonts that the document holds: rules `@font-face` with data of TrueType, OpenType, WOFF or WOFF2.
 
+use crate::document;
 use std::sync::Arc;
 use usvg::fontdb::{Database, FaceInfo, Language, Source, Style, Weight, ID};
 use usvg::roxmltree::Document;
@@ -68,9 +69,8 @@ fn put(rule: &[(&str, &str)], fonts: &mut Database) -> Result<(), String> {
 
 /// The document's fonts in place of installed ones of their names. Returns what could not be read.
 pub fn load(xml: &Document, fonts: &mut Database) -> Vec<String> {
-    let sheets = xml.descendants().filter(|n| n.is_text() && n.parent().is_some_and(|p| p.tag_name().name() == "style"));
     let mut faults = Vec::new();
-    for sheet in sheets.filter_map(|n| n.text()) {
+    for sheet in document::style_sheets(xml).filter_map(|n| n.text()) {
         for rule in sheet.split("@font-face").skip(1).filter_map(|after| after.split_once('{')?.1.split_once('}')) {
             faults.extend(put(&declarations(rule.0), fonts).err());
         }

@@ -236,7 +236,7 @@ impl Outlines {
                 Node::Image(image) => {
                     if let (true, ImageKind::SVG(drawing)) = (image.is_visible(), image.kind()) {
                         let page = Rect::from_xywh(0.0, 0.0, drawing.size().width(), drawing.size().height());
-                        let clip = page.map_or(clip, |page| self.clip_to(&PathBuilder::from_rect(page), ts, clip));
+                        let clip = page.map_or(clip, |page| self.clip_to(&PathBuilder::from_rect(page), FillRule::NonZero, ts, clip));
                         self.add_group(drawing.root(), ts, layer, clip);
                     }
                 }

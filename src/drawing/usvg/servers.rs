@@ -24,14 +24,14 @@ impl Outlines {
             return false;
         }
         self.tiles += count as usize;
-        let shape = self.add_own_clip(path, fill, ts, clip);
+        let shape = self.clip_to(path.data(), fill.rule(), ts, clip);
         let Some(tile) = usvg::tiny_skia_path::Rect::from_xywh(0.0, 0.0, rect.width(), rect.height()).map(PathBuilder::from_rect) else { return false };
         self.groups.push((fill.opacity().get(), self.paths.len()));
         for row in *rows.start() as i32..=*rows.end() as i32 {
             for column in *columns.start() as i32..=*columns.end() as i32 {
                 let (x, y) = (rect.x() + column as f32 * rect.width(), rect.y() + row as f32 * rect.height());
                 let ts = ts.pre_concat(to_shape).pre_translate(x, y);
-                let number = self.clip_to(&tile, ts, shape);
+                let number = self.clip_to(&tile, FillRule::NonZero, ts, shape);
                 self.add_group(pattern.root(), ts, layer, number);
             }
         }
@@ -48,7 +48,7 @@ impl Outlines {
             clear.push_path(&band.area);
         }
         let Some(clear) = clear.finish() else { return };
-        let shape = self.add_own_clip(path, fill, ts, clip);
+        let shape = self.clip_to(path.data(), fill.rule(), ts, clip);
         let area = SvgPath { layer, clip: shape, filled: 1, even_odd: 1, fill: 0xffffff, hides: 3, hides_from, ..SvgPath::default() };
         self.put(&clear, ts.pre_concat(to_shape), area);
     }
@@ -75,20 +75,12 @@ impl Outlines {
     }
 
     /// A clip of an area.
-    pub fn clip_to(&mut self, area: &tiny_skia_path::Path, ts: Transform, parent: u32) -> u32 {
+    pub fn clip_to(&mut self, area: &tiny_skia_path::Path, rule: FillRule, ts: Transform, parent: u32) -> u32 {
         self.clips.push(SvgClip { parent, mask: 0 });
         let number = self.clips.len() as u32;
-        self.put(area, ts, SvgPath { shapes: number, filled: 1, value: 1.0, alpha: 1.0, ..SvgPath::default() });
+        let even_odd = (rule == FillRule::EvenOdd) as u8;
+        self.put(area, ts, SvgPath { shapes: number, filled: 1, even_odd, value: 1.0, alpha: 1.0, ..SvgPath::default() });
         number
-    }
-
-    /// A clip of the area that the path fills.
-    fn add_own_clip(&mut self, path: &Path, fill: &Fill, ts: Transform, clip: u32) -> u32 {
-        self.clips.push(SvgClip { parent: clip, mask: 0 });
-        let shape = self.clips.len() as u32;
-        let even_odd = (fill.rule() == FillRule::EvenOdd) as u8;
-        self.put(path.data(), ts, SvgPath { shapes: shape, filled: 1, even_odd, value: 1.0, alpha: 1.0, ..SvgPath::default() });
-        shape
     }
 
     /// Puts lines where a gradient's colour leaps.
@@ -97,7 +89,7 @@ impl Outlines {
         if leaps.is_empty() {
             return;
         }
-        let clip = self.add_own_clip(path, fill, ts, clip);
+        let clip = self.clip_to(path.data(), fill.rule(), ts, clip);
         for leap in leaps {
             let line = SvgPath { layer, clip, stroked: 1, stroke: paints::colour(fill.paint()), path_length: f64::NAN, ..SvgPath::default() };
             self.put(&leap.area, ts.pre_concat(to_shape), line);
