@@ -19,11 +19,10 @@
 #include "impedraw/terminal/say.h"
 
 namespace impedraw {
+namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-namespace {
 
 constexpr const char* kTroubles[] = {"none", "missing", "steep", "edge", "avoided", "out of reach"};
 constexpr std::size_t kMostPoints = 60000;  // of the cloud on the page

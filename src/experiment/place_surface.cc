@@ -179,21 +179,21 @@ struct PlaceBench::Parts {
     // Rounded as it is printed.
     PlacementSettings at(const PlaceFound& found) const {
       const auto rounded = [](double x, double to) { return std::round(x / to) * to; };
-      PlacementSettings s = given;
+      PlacementSettings out = given;
       // A rectangle's sides stay along the world's axes: what turns in it changes its size.
-      if (found.size != 1.0 || s.fit_width_m || s.fit_height_m) {
-        s.width_mm = s.height_mm = s.fit_width_m = s.fit_height_m = std::nullopt;
-        s.margin_mm = 0.0;
-        s.fit_page = false;
-        s.scale = rounded(found.size * placed.scale(), 1e-4);
+      if (found.size != 1.0 || out.fit_width_m || out.fit_height_m) {
+        out.width_mm = out.height_mm = out.fit_width_m = out.fit_height_m = std::nullopt;
+        out.margin_mm = 0.0;
+        out.fit_page = false;
+        out.scale = rounded(found.size * placed.scale(), 1e-4);
       }
-      s.rotate_deg = rounded(std::remainder(given.rotate_deg + found.turn_deg, 360.0), 0.1);
+      out.rotate_deg = rounded(std::remainder(given.rotate_deg + found.turn_deg, 360.0), 0.1);
       const Vector2d centre = found(placed.centre_m - middle);
-      s.centre_m = Vector2d::Zero();
+      out.centre_m = Vector2d::Zero();
       // Another page point may be at the centre now.
-      s.centre_m = centre - place(drawn, s).to_plane(placed.origin_mm);
-      for (double& x : s.centre_m) x = rounded(x, 1e-4);
-      return s;
+      out.centre_m = centre - place(drawn, out).to_plane(placed.origin_mm);
+      for (double& x : out.centre_m) x = rounded(x, 1e-4);
+      return out;
     }
   };
 

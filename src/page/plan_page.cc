@@ -7,8 +7,10 @@
 namespace impedraw {
 namespace {
 
-nlohmann::json findings_json(PackedColumns& columns, const std::vector<PageFinding>& findings) {
-  nlohmann::json out = nlohmann::json::array();
+using Json = nlohmann::json;
+
+Json findings_json(PackedColumns& columns, const std::vector<PageFinding>& findings) {
+  Json out = Json::array();
   for (const PageFinding& f : findings)
     out.push_back({{"stroke", f.stroke},
                    {"from_mm", f.from_mm},
@@ -21,7 +23,7 @@ nlohmann::json findings_json(PackedColumns& columns, const std::vector<PageFindi
   return out;
 }
 
-nlohmann::json target_of(PackedColumns& columns, const RunLogHeader& header) {
+Json target_of(PackedColumns& columns, const RunLogHeader& header) {
   std::vector<double> begins;
   std::vector<int> strokes;
   for (std::size_t i = 0; i < header.target_stroke.size(); ++i) {
@@ -38,7 +40,6 @@ nlohmann::json target_of(PackedColumns& columns, const RunLogHeader& header) {
 }  // namespace
 
 PagePayload make_payload(const PlanPage& plan, const PageContext& context) {
-  using Json = nlohmann::json;
   PackedColumns columns;
   PageMesh mesh;
   Json out = begun_page(columns, "plan", plan.title, plan, context, &mesh);
@@ -130,7 +131,6 @@ std::vector<std::string> live_columns(const RunLogHeader& header) {
 
 PagePayload make_payload(const LivePage& page, const RunLogHeader& header,
                          const PageContext& context) {
-  using Json = nlohmann::json;
   PackedColumns columns;
   Json out = begun_page(columns, "live", page.title, header, context);
   out["live"] = {
