@@ -39,7 +39,7 @@ def found(argument: str) -> str:
 _EXTRAS = {
     "calibrate-camera": ("camera", ("cv2", "scipy")),
     "capture": ("camera", ("cv2", "scipy")),
-    "image": ("image", ("PIL", "scipy", "skimage")),
+    "image": ("image", ("PIL", "resvg_py", "scipy", "skimage")),
     "sweep": ("sweep", ("pyarrow", "ray", "optuna", "yaml")),
 }
 
@@ -98,8 +98,8 @@ def main() -> int:
     given = [word if before == "--text" else found(word) for before, word in zip(["", *words], words)]
     if first in _EXTRAS:
         return _in_python(first, given[1:])
-    if first in ("draw", "plan", "place") and any(word.partition("=")[0] == "--image" for word in given):
-        given = _part("--image", *_EXTRAS["image"]).as_strokes(given)
+    if first in ("draw", "plan", "place") and (of := {word.partition("=")[0] for word in given} & {"--image", "--trace"}):
+        given = _part(min(of), *_EXTRAS["image"]).as_strokes(given)
     # As for a program: the library has its own handlers while an arm moves.
     for name in (signal.SIGINT, signal.SIGPIPE):
         signal.signal(name, signal.SIG_DFL)

@@ -73,6 +73,7 @@ CLI::App* add_draw(CLI::App& app, Call& call) {
       "  ./impedraw draw --shape M --no-perception --out /tmp/m-blind\n"
       "  ./impedraw draw --svg flower.svg --resume      # after ctrl-C: continues the run\n"
       "  ./impedraw draw --image portrait.jpg           # by lines that show its tone\n"
+      "  ./impedraw draw --svg signature.svg --trace    # along the middle of its shapes\n"
       "  ./impedraw draw --text Hi --live --pace 1      # watch it in real time");
   command->callback([&call] {
     call.code = draw(with_commissioning(call.options, call.commissioned), call.live, call.table);

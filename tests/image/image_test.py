@@ -12,7 +12,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
 from impedraw.image import tones, trace
-from impedraw.image.picture import Refused, read_tone
+from impedraw.image.picture import Refused, read_tone, render_svg
 from impedraw.image.stipple import tour
 
 PORTRAIT = pathlib.Path(skimage.__file__).parent / "data/astronaut.png"
@@ -75,6 +75,9 @@ def test_what_is_broken_is_refused_in_one_line(tmp_path):
     for name in ("cut.png", "text.png", "bomb.png"):
         with pytest.raises(Refused):
             read_tone(tmp_path / name, 512)
+    (tmp_path / "cut.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg" width="4" height="4"><path')
+    with pytest.raises(Refused, match="cannot be rendered: [^\\n]+$"):
+        render_svg(tmp_path / "cut.svg", 512)
 
 
 def test_a_curve_of_known_centre_line_is_one_stroke():
@@ -87,6 +90,38 @@ def test_a_curve_of_known_centre_line_is_one_stroke():
         assert len(strokes) == 1
         assert cKDTree(line).query(strokes[0][0] / 3)[0].max() < 0.5
         assert abs(np.median(strokes[0][1]) / 3 - width) < 0.5
+
+
+def nib_stroke(times, colour):
+    """The outline of a nib's stroke on a page of 90 × 40 mm at that scale, 0.6 to 2.2 mm wide, with its centre line and widths."""
+    s = np.linspace(0, 2 * np.pi, 2000)
+    line = np.column_stack([5 + 80 * s / s[-1], 20 + 12 * np.sin(s)])
+    normal = np.column_stack([-12 * np.cos(s), np.full_like(s, 80 / s[-1])])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    width = 1.4 - 0.8 * np.cos(s)
+    outline = np.vstack([line + width[:, None] / 2 * normal, (line - width[:, None] / 2 * normal)[::-1]])
+    path = " ".join(f"{x:.5f},{y:.5f}" for x, y in outline)
+    svg = f'<svg xmlns="http://www.w3.org/2000/svg" width="{90 * times}mm" height="{40 * times}mm" viewBox="0 0 90 40"><path d="M{path}Z" fill="{colour}"/></svg>'
+    return svg, line * times, width * times
+
+
+@pytest.mark.parametrize("times, colour", [(1, "black"), (0.05, "yellow"), (20, "#369")])
+def test_the_outline_of_a_stroke_is_its_centre_line_and_widths(tmp_path, monkeypatch, times, colour):
+    from impedraw.image.__main__ import as_strokes
+
+    monkeypatch.chdir(tmp_path)
+    svg, line, width = nib_stroke(times, colour)
+    (tmp_path / "nib.svg").write_text(svg)
+    words = as_strokes(["draw", "--svg", "nib.svg", "--trace", "--out", "o"])
+    assert words == ["draw", "--out", "o", "--svg", "runs/pictures/nib-trace.csv"]
+    x, y, stroke, drawn = np.loadtxt(words[-1], delimiter=",", skiprows=1, unpack=True)
+    assert not stroke.any()
+    off, nearest = cKDTree(line).query(np.column_stack([x, y]))
+    assert off.max() < 0.12 * times  # at the ends, which are cut straight
+    inner = (nearest > 100) & (nearest < 1900)
+    assert off[inner].max() < 0.06 * times
+    assert np.abs(drawn - width[nearest])[inner].max() < 0.1 * times
+    assert np.ptp(x) > 79 * times
 
 
 def test_draws_an_image_by_its_lines(tmp_path, monkeypatch):

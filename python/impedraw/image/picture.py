@@ -1,7 +1,11 @@
-"""Reads a PNG or JPEG as tone: 0 for the white paper, 1 for black."""
+"""Reads a PNG or JPEG as tone, 0 for the white paper and 1 for black, and renders an SVG as a PNG."""
 
 from __future__ import annotations
 
+import io
+import pathlib
+import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -66,10 +70,42 @@ def read_tone(file, longest: int) -> np.ndarray:
             with Image.open(file, formats=("PNG", "JPEG")) as image:
                 return _tone(image, longest)
         except UnidentifiedImageError:
-            raise Refused("is neither a PNG nor a JPEG that can be read") from None
+            raise Refused("is neither an SVG nor a PNG or JPEG that can be read") from None
         except MemoryError:
             raise Refused("is too large for the memory of 2 GB") from None
         except Refused:
             raise
         except Exception as error:  # Pillow's decoders raise OSError, SyntaxError, ValueError, EOFError, zlib.error, struct.error …
             raise Refused(f"is broken or cut off: {str(error).splitlines()[0] if str(error) else type(error).__name__}") from None
+
+
+LONGEST_RENDER = 60  # [s]
+# In a process of its own, which can be stopped. A page has 96 pixels to the inch at zoom 1, and resvg drops parts of such a pixel at its edges.
+# How many pixels a page has, a small rendering tells.
+RENDER = """
+import io, sys, resvg_py
+from PIL import Image
+folder = sys.argv[1].rpartition("/")[0] or "."
+render = lambda zoom: resvg_py.svg_to_bytes(svg_path=sys.argv[1], resources_dir=folder, background="white", zoom=zoom, dpi=96)
+size = lambda image: max(Image.open(io.BytesIO(image)).size)
+try:
+    page = 10 * size(render(0.1))
+except ValueError:  # it has less than ten pixels, or there is another fault
+    page = size(render(1))
+zoom = float(sys.argv[2]) / page
+image = render(zoom)
+sys.stdout.buffer.write(b"%r\\n" % (size(image) / zoom) + image)
+"""
+
+
+def render_svg(file: pathlib.Path, longest: int) -> tuple[io.BytesIO, float]:
+    """A PNG of the page, about ``longest`` pixels on the longer side, and that side [mm]. Raises Refused."""
+    try:
+        done = subprocess.run([sys.executable, "-P", "-c", RENDER, str(file), str(longest)], capture_output=True, timeout=LONGEST_RENDER)
+    except subprocess.TimeoutExpired:
+        raise Refused(f"takes more than {LONGEST_RENDER} s to render") from None
+    if done.returncode:
+        lines = done.stderr.decode(errors="replace").strip().splitlines()
+        raise Refused(f"cannot be rendered: {lines[-1].partition(': ')[2] if lines else f'resvg ended with {done.returncode}'}")
+    size, _, image = done.stdout.partition(b"\n")
+    return io.BytesIO(image), float(size) * 25.4 / 96

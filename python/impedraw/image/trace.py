@@ -12,7 +12,8 @@ from skimage.filters import threshold_otsu
 from skimage.morphology import remove_small_objects, skeletonize
 
 SPUR = 1.6  # a free branch up to so many half widths long is a corner of the outline
-SLOPE = 0.7  # a free end along which the half width grows faster leads from the line's end to its outline
+SLOPE = 0.5  # a free end along which the half width grows faster leads to a corner of the outline, where it grows by √½
+STEP = 4  # over so many pixels
 THROUGH = -0.5  # two branches are one line through a crossing where the cosine between them is below
 Point = tuple[int, int]
 
@@ -27,6 +28,11 @@ def ink_of(tone: np.ndarray, times: int) -> np.ndarray:
         return np.zeros([times * side for side in tone.shape], bool)
     level = ndimage.zoom(level, times, order=1, grid_mode=True, mode="nearest")
     return remove_small_objects(level > threshold_otsu(level), max_size=4 * times**2)
+
+
+def ink_on_white(tone: np.ndarray) -> np.ndarray:
+    """What a rendering shows on white paper, in any colour: pixels that are covered by half, next to ones that are covered whole."""
+    return (tone > 0.02) & (tone > 0.5 * ndimage.maximum_filter(tone, 3))
 
 
 def _neighbours(mask: np.ndarray) -> dict[Point, list[Point]]:
@@ -99,8 +105,8 @@ def _skeleton(ink: np.ndarray, half: np.ndarray) -> np.ndarray:
 def _beyond(line: list[Point], half: np.ndarray) -> int:
     """How many pixels of a free end lie beyond the line's own."""
     k = 0
-    while line[0] != line[-1] and k < len(line) // 3 and half[line[k + 1]] - half[line[k]] > SLOPE * math.dist(line[k], line[k + 1]):
-        k += 1
+    while line[0] != line[-1] and k < len(line) // 3 - STEP and half[line[k + STEP]] - half[line[k]] > SLOPE * math.dist(line[k], line[k + STEP]):
+        k += STEP
     return k
 
 
