@@ -77,7 +77,7 @@ std::vector<Vector2d> page_outline(const Eigen::AlignedBox2d& page) {
 std::map<std::uint32_t, int> colour_layers(const ImpedrawSvg& svg, LayerSource source) {
   std::map<std::uint32_t, int> layers;
   for (const ImpedrawSvgPath* path = svg.paths; path != svg.paths + svg.path_count; ++path) {
-    if (path->shapes > 0 || path->hides >= 2) continue;
+    if (path->shapes > 0 || path->hides > IMPEDRAW_SVG_BENEATH) continue;
     for (const auto& [shows, colour] :
          {std::pair{path->stroked, path->stroke}, {path->filled, path->fill}}) {
       if (shows && !is_white(colour)) layers.emplace(colour, static_cast<int>(layers.size()));
@@ -326,21 +326,26 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
       continue;
     }
     const bool strokes = path->stroked && !(as_painted && is_white(path->stroke)),
-               fills = path->filled && !is_white(path->fill), eraser = path->hides >= 2;
+               fills = path->filled && !is_white(path->fill),
+               eraser = path->hides > IMPEDRAW_SVG_BENEATH;
     const std::string group = svg->layers[path->layer];
     if (layer_marks(group).off) {
       left_out.off[group] += lines.size();
       continue;
     }
-    const bool veil = path->hides == 4;
-    paint = {{}, area_of(lines, *path), fills, path->hides != 0 && !veil, path->hides_from};
+    const bool veil = path->hides == IMPEDRAW_SVG_VEIL;
+    paint = {{},
+             area_of(lines, *path),
+             fills,
+             path->hides != IMPEDRAW_SVG_NOTHING && !veil,
+             path->hides_from};
     if (veil) paint.veil = path->alpha;
-    paint.fades = path->plain & 4;
+    paint.fades = path->fades;
     paint.clip = clip;
-    paint.clears = path->hides == 3;
+    paint.clears = path->hides == IMPEDRAW_SVG_EDGE;
     paint.round = path->caps;
-    paint.plain = path->plain & 1;
-    paint.plain_strokes = path->plain & 2;
+    paint.plain = path->plain_fill;
+    paint.plain_strokes = path->plain_stroke;
     if (strokes && path->covers) paint.covers_from = path->covers_from;
     paint.area.layer = layer_of(path->fill, paint.area.layer);
     const bool ground = !eraser && is_ground(lines, *path, artwork.page);

@@ -15,6 +15,16 @@ enum ImpedrawSvgVerb : std::uint8_t {  // points taken: 1, 1, 2, 3, 0
   IMPEDRAW_SVG_CLOSE = 4,
 };
 
+// What a fill hides. An edge: that of the fill before it, whose gradient is white or clear there.
+// A veil is white, and its `alpha` lets show what lies beneath, on which its edge is seen.
+enum ImpedrawSvgHides : std::uint8_t {
+  IMPEDRAW_SVG_NOTHING = 0,
+  IMPEDRAW_SVG_BENEATH = 1,
+  IMPEDRAW_SVG_WHITE_STROKE = 2,  // what lies beneath, as a white stroke's area
+  IMPEDRAW_SVG_EDGE = 3,
+  IMPEDRAW_SVG_VEIL = 4,
+};
+
 // One visible path element, in painting order, or a shape of a clip path or mask. Its verbs and
 // points follow those of the previous path.
 struct ImpedrawSvgPath {
@@ -24,23 +34,21 @@ struct ImpedrawSvgPath {
   std::uint8_t filled;
   std::uint8_t caps;      // round or square line caps: a subpath without length is a dot
   std::uint8_t even_odd;  // fill rule; else nonzero
-  // The fill hides what lies beneath: 1; 2: it is a white stroke's area; 3: it hides only the edge
-  // of the fill before it, whose gradient is white or clear there; 4: it is white, and `alpha` lets
-  // show what lies beneath, on which its edge is seen.
-  std::uint8_t hides;
+  ImpedrawSvgHides hides;
   std::uint32_t fill, stroke;  // colours, 0xRRGGBB; a gradient's is the mean of its stops
   double width;                // of the stroke [mm]
   std::size_t hides_from;   // the first path that it hides: a faint group hides nothing around it
   std::uint8_t covers;      // the stroke hides what lies beneath its width
   std::size_t covers_from;  // the first path that it hides
-  std::uint8_t plain;       // in one opaque colour: the fill, 1; the stroke, 2; a shadow's fill: 4
-  std::uint32_t clip;       // ImpedrawSvg::clips, counted from 1, that cuts it; 0: none
-  std::uint32_t shapes;     // the clip that it is a part of, counted from 1; 0: it is painted
-  float value, alpha;       // of a mask's shape: luminance and opacity; alpha: see hides
-  std::size_t dash_count;   // of ImpedrawSvg::dashes, even; 0: unbroken
-  double dash_offset;       // like the dashes, in the unit before the transform
-  double path_length;       // what the dashes take the path's whole length for; NaN: that length
-  double transform[4];      // rows of the 2 × 2 matrix from that unit to millimetres on the page
+  std::uint8_t plain_fill, plain_stroke;  // in one opaque colour
+  std::uint8_t fades;                     // the fill is a shadow's
+  std::uint32_t clip;      // ImpedrawSvg::clips, counted from 1, that cuts it; 0: none
+  std::uint32_t shapes;    // the clip that it is a part of, counted from 1; 0: it is painted
+  float value, alpha;      // of a mask's shape: luminance and opacity; alpha: see hides
+  std::size_t dash_count;  // of ImpedrawSvg::dashes, even; 0: unbroken
+  double dash_offset;      // like the dashes, in the unit before the transform
+  double path_length;      // what the dashes take the path's whole length for; NaN: that length
+  double transform[4];     // rows of the 2 × 2 matrix from that unit to millimetres on the page
   // A letter of a text and a mark on it, in Unicode; 0: none. Its points are where its advance
   // starts and ends on the baseline, and the first one raised by the height of the capitals.
   std::uint32_t letter[2];

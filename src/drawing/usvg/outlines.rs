@@ -20,6 +20,18 @@ const ALL_SHOWN: &str = "* { display: inline !important }";
 // Browsers put markers on lines alone.
 const NO_MARKERS: &str = "rect, circle, ellipse { marker-start: none !important; marker-mid: none !important; marker-end: none !important }";
 
+/// What a fill hides: ImpedrawSvgHides.
+#[repr(u8)]
+#[derive(Clone, Copy, Default)]
+pub enum Hides {
+    #[default]
+    Nothing,
+    Beneath,
+    WhiteStroke,
+    Edge,
+    Veil,
+}
+
 #[repr(C)]
 #[derive(Clone, Default)]
 pub struct SvgPath {
@@ -29,14 +41,16 @@ pub struct SvgPath {
     pub filled: u8,
     pub caps: u8,
     pub even_odd: u8,
-    pub hides: u8,
+    pub hides: Hides,
     pub fill: u32,
     pub stroke: u32,
     pub width: f64,
     pub hides_from: usize,
     pub covers: u8,
     pub covers_from: usize,
-    pub plain: u8,
+    pub plain_fill: u8,
+    pub plain_stroke: u8,
+    pub fades: u8,
     pub clip: u32,
     pub shapes: u32,
     pub value: f32,
@@ -401,8 +415,6 @@ impl Outlines {
         let covers_from = stroke.and_then(|s| hiding(s.paint(), s.opacity()));
         let opaque = self.opacity_of_groups();
         let is_plain = |paint: &Paint, opacity: Opacity| (matches!(paint, Paint::Color(_)) && opacity.get() * opaque > PLAIN) as u8;
-        let plain = fill.map_or(0, |f| is_plain(f.paint(), f.opacity()) + 4 * paints::fades(f.paint()) as u8)
-            + 2 * stroke.map_or(0, |s| is_plain(s.paint(), s.opacity()));
         let veil = |paint: &Paint, opacity: Opacity| (hiding(paint, opacity) != Some(0) && paints::is_white(paints::colour(paint))).then_some(opacity.get() * opaque);
         let fill_veil = fill.and_then(|f| Some((f, veil(f.paint(), f.opacity())?)));
         let stroke_veil = stroke.and_then(|s| Some((s, veil(s.paint(), s.opacity())?)));
@@ -410,7 +422,9 @@ impl Outlines {
             layer,
             covers: covers_from.is_some() as u8,
             covers_from: covers_from.unwrap_or(0),
-            plain,
+            plain_fill: fill.map_or(0, |f| is_plain(f.paint(), f.opacity())),
+            plain_stroke: stroke.map_or(0, |s| is_plain(s.paint(), s.opacity())),
+            fades: fill.is_some_and(|f| paints::fades(f.paint())) as u8,
             stroked: stroke.is_some() as u8,
             filled: fill.is_some() as u8,
             caps: stroke.is_some_and(|s| s.linecap() != LineCap::Butt) as u8,
@@ -418,7 +432,7 @@ impl Outlines {
             fill: fill.map_or(0, |f| paints::colour(f.paint())),
             stroke: stroke.map_or(0, |s| paints::colour(s.paint())),
             width,
-            hides: hides_from.is_some() as u8,
+            hides: if hides_from.is_some() { Hides::Beneath } else { Hides::Nothing },
             hides_from: hides_from.unwrap_or(0),
             clip,
             dash_count: dashes.len(),
@@ -430,7 +444,7 @@ impl Outlines {
         let white = stroke.filter(|s| paints::is_white(paints::colour(s.paint())));
         let cover = white.and_then(|s| {
             let hides_from = hiding(s.paint(), s.opacity())?;
-            let area = SvgPath { layer, clip, filled: 1, fill: 0xffffff, hides: 2, hides_from, ..SvgPath::default() };
+            let area = SvgPath { layer, clip, filled: 1, fill: 0xffffff, hides: Hides::WhiteStroke, hides_from, ..SvgPath::default() };
             Some((stroked_area(path, s, ts)?, area))
         });
         // A stroke that is clear in part is cut there.

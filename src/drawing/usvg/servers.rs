@@ -1,6 +1,6 @@
 //! What a pattern or a gradient draws.
 
-use crate::outlines::{Outlines, SvgClip, SvgPath};
+use crate::outlines::{Hides, Outlines, SvgClip, SvgPath};
 use crate::paints::{self, Band};
 use usvg::tiny_skia_path::{self, PathBuilder};
 use usvg::{Fill, FillRule, Paint, Path, Transform};
@@ -49,7 +49,7 @@ impl Outlines {
         }
         let Some(clear) = clear.finish() else { return };
         let shape = self.clip_to(path.data(), fill.rule(), ts, clip);
-        let area = SvgPath { layer, clip: shape, filled: 1, even_odd: 1, fill: 0xffffff, hides: 3, hides_from, ..SvgPath::default() };
+        let area = SvgPath { layer, clip: shape, filled: 1, even_odd: 1, fill: 0xffffff, hides: Hides::Edge, hides_from, ..SvgPath::default() };
         self.put(&clear, ts.pre_concat(to_shape), area);
     }
 
@@ -71,7 +71,7 @@ impl Outlines {
         let bands = paints::bands(paint, data.bounds()).map_or(Vec::new(), |(bands, _)| bands);
         let least = bands.iter().filter(|band| shows(band)).map(|band| band.opacity).reduce(f32::min);
         let clip = self.clip_to_bands(paint, data.bounds(), ts, area.clip, shows);
-        self.put(data, ts, SvgPath { clip, filled: 1, fill: 0xffffff, hides: 4, alpha: area.alpha * least.unwrap_or(1.0), ..area });
+        self.put(data, ts, SvgPath { clip, filled: 1, fill: 0xffffff, hides: Hides::Veil, alpha: area.alpha * least.unwrap_or(1.0), ..area });
     }
 
     /// A clip of an area.
