@@ -23,8 +23,8 @@ log=$root/build/deb.log
 : >"$log"
 
 step "building the packages"
-# Debian's shared libraries, whatever the wheel was linked from.
-{ cmake -DIMPEDRAW_EMBREE= -DHDF5_ARCHIVE=OFF -DCAIRO_ARCHIVE=OFF "$out" && ninja -C "$out" -j "$(jobs)" impedraw_wheel_extension &&
+# Debian's shared libraries and its Python, whatever the wheels were made for.
+{ cmake -DIMPEDRAW_EMBREE= -DIMPEDRAW_ABI3_HEADERS= -DHDF5_ARCHIVE=OFF -DCAIRO_ARCHIVE=OFF "$out" && ninja -C "$out" -j "$(jobs)" impedraw_wheel_extension &&
     cmake --install "$out" --component python --prefix "$stage/impedraw/usr/lib/impedraw"
   # Debian's own Eigen, which is what a program that uses the library has.
   cmake -G Ninja -S "$root" -B "$root/build/deb" -DIMPEDRAW_LIBRARY_ONLY=ON -DIMPEDRAW_COMPONENTS="control;sensing;perception;planning" \
