@@ -73,11 +73,17 @@ std::vector<Vector2d> page_outline(const Eigen::AlignedBox2d& page) {
       page.min(), {page.max().x(), page.min().y()}, page.max(), {page.min().x(), page.max().y()}};
 }
 
+// The fill is no shape of the document's: it is there for what it hides.
+bool only_hides(const ImpedrawSvgPath& path) {
+  return path.hides == IMPEDRAW_SVG_WHITE_STROKE || path.hides == IMPEDRAW_SVG_EDGE ||
+         path.hides == IMPEDRAW_SVG_VEIL;
+}
+
 // Indices of the layers by colour, in order of appearance; empty: groups are layers.
 std::map<std::uint32_t, int> colour_layers(const ImpedrawSvg& svg, LayerSource source) {
   std::map<std::uint32_t, int> layers;
   for (const ImpedrawSvgPath* path = svg.paths; path != svg.paths + svg.path_count; ++path) {
-    if (path->shapes > 0 || path->hides > IMPEDRAW_SVG_BENEATH) continue;
+    if (path->shapes > 0 || only_hides(*path)) continue;
     for (const auto& [shows, colour] :
          {std::pair{path->stroked, path->stroke}, {path->filled, path->fill}}) {
       if (shows && !is_white(colour)) layers.emplace(colour, static_cast<int>(layers.size()));
@@ -326,8 +332,7 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
       continue;
     }
     const bool strokes = path->stroked && !(as_painted && is_white(path->stroke)),
-               fills = path->filled && !is_white(path->fill),
-               eraser = path->hides > IMPEDRAW_SVG_BENEATH;
+               fills = path->filled && !is_white(path->fill), eraser = only_hides(*path);
     const std::string group = svg->layers[path->layer];
     if (layer_marks(group).off) {
       left_out.off[group] += lines.size();

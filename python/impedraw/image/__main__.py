@@ -48,24 +48,33 @@ def rows_of(strokes: list[tuple[np.ndarray, np.ndarray | None]]) -> str:
     return "\n".join(rows) + "\n"
 
 
+def traced(picture, size: float, rendered: bool, progress: Progress) -> tuple[list, str]:
+    """Centre lines [mm] of a page of that size, and a sentence about them."""
+    progress(0.1)
+    if rendered:
+        drawing = trace.ink_on_white(read_tone(picture, 2 * LONGEST_PAGE))  # as it is rendered, which is about LONGEST_PAGE
+    else:
+        tone = read_tone(picture, LONGEST)
+        drawing = trace.ink_of(tone, 3 if max(tone.shape) <= 1600 else 2)
+    mm = size / max(drawing.shape)
+    strokes = [(points * mm, widths * mm) for points, widths in trace.centre_lines(drawing)]
+    if not strokes:
+        raise Refused("has nothing to trace: its tone is even")
+    return strokes, f"{len(strokes)} centre lines"
+
+
 def drawn(options: argparse.Namespace, progress: Progress) -> tuple[list, str]:
     """Strokes [mm], and a sentence about them."""
     svg = options.picture.suffix.lower() in (".svg", ".svgz")
     picture, size = render_svg(options.picture, LONGEST_PAGE) if svg else (options.picture, PICTURE_SIZE)
     size = options.size or size
+    if options.style == "trace":
+        return traced(picture, size, svg, progress)
     # Four pixels to the pen's width would be more than it can show; fewer than 256 would be too coarse.
     per_mm = 1.6 / options.pen
-    longest = int(np.clip(per_mm * size, 256, 1400)) if options.style != "trace" else 2 * LONGEST_PAGE if svg else LONGEST
+    longest = int(np.clip(per_mm * size, 256, 1400))
     tone = read_tone(picture, longest)
     mm = size / max(tone.shape)
-    if options.style == "trace":
-        times = 1 if svg else 3 if max(tone.shape) <= 1600 else 2
-        progress(0.1)
-        drawing = trace.ink_on_white(tone) if svg else trace.ink_of(tone, times)
-        strokes = [(points * mm / times, widths * mm / times) for points, widths in trace.centre_lines(drawing)]
-        if not strokes:
-            raise Refused("has nothing to trace: its tone is even")
-        return strokes, f"{len(strokes)} centre lines"
     if tone.max() <= tones.FAINTEST:
         raise Refused("has nothing to draw: it is white")
     if max(tone.shape) < longest:  # a small picture: lines are finer than its pixels
@@ -121,8 +130,8 @@ def main(arguments: list[str] | None = None) -> int:
     name, progress = str(options.picture), Progress("lines of the picture")
     resource.setrlimit(resource.RLIMIT_DATA, (MOST_MEMORY, MOST_MEMORY))
     try:
-        for what, value, least, most in (("size", PICTURE_SIZE if options.size is None else options.size, 1, 10000), ("pen", options.pen, 0.01, 100), ("points", options.points, 3, 100000)):
-            if not least <= value <= most:
+        for what, value, least, most in (("size", options.size, 1, 10000), ("pen", options.pen, 0.01, 100), ("points", options.points, 3, 100000)):
+            if value is not None and not least <= value <= most:
                 raise Refused(f"--{what} is {value:g}; valid are {least:g} to {most:g}")
         if not options.picture.exists():
             raise Refused("does not exist")
