@@ -25,6 +25,17 @@ interface Panel {
   joint?: boolean; // has curves of the chosen joint
 }
 
+interface Made {
+  panel: Panel;
+  chart: uPlot;
+  now: HTMLElement;
+  body: HTMLElement;
+  values: HTMLElement;
+  curves: Curve[];
+}
+
+const heightOf = (panel: Panel) => (panel.words ? 110 : 132); // [px]
+
 export interface PlotsHooks {
   seek(t: number): void;
 }
@@ -32,7 +43,7 @@ export interface PlotsHooks {
 export class Plots {
   readonly element = h("div", { class: "plots" });
   private range: [number, number];
-  private made: { panel: Panel; chart: uPlot; now: HTMLElement; body: HTMLElement; curves: Curve[] }[] = [];
+  private made: Made[] = [];
   private pending = new Map<Element, () => void>();
   private pyramids = new Map<Series, Pyramid>();
   private shownEnd = 0; // of a run that goes on
@@ -153,13 +164,7 @@ export class Plots {
     this.run.joints.names.forEach((name, j) => choice.append(h("option", { value: j }, name)));
     choice.addEventListener("change", () => {
       this.joint = Number(choice.value);
-      for (const made of [...this.made]) {
-        if (!made.panel.joint) continue;
-        made.chart.destroy();
-        this.made = this.made.filter((m) => m !== made);
-        made.body.replaceChildren();
-        this.make(made.panel, made.body);
-      }
+      for (const made of this.made) if (made.panel.joint) this.remake(made);
     });
     return h("label", { class: "bar" }, "Joints: ", choice);
   }
@@ -171,27 +176,30 @@ export class Plots {
   }
 
   private add(panel: Panel, watch: IntersectionObserver): void {
-    if (panel.curves().length === 0) return;
+    const curves = panel.curves();
+    if (curves.length === 0) return;
     const title = h("h3", {}, this.titleOf(panel));
-    const body = h("div", { class: "plot" });
+    const body = h("div"), values = h("div", { class: "values", "aria-hidden": "true" });
     const csv = h("button", { type: "button", class: "small", "aria-label": `${panel.title}: save as CSV` }, "CSV");
     const png = h("button", { type: "button", class: "small", "aria-label": `${panel.title}: save as PNG` }, "PNG");
     csv.addEventListener("click", () => this.saveCsv(panel));
     png.addEventListener("click", () => this.savePng(panel));
-    const figure = h("section", { class: "panel", "aria-label": panel.title }, h("header", {}, title, h("span", { class: "tools" }, csv, png)), body);
+    const figure = h("section", { class: "panel", "aria-label": panel.title }, h("header", {}, title, h("span", { class: "tools" }, csv, png)), h("div", { class: "plot" }, body, values));
     this.element.append(figure);
-    body.style.minHeight = "132px";
-    this.pending.set(figure, () => this.make(panel, body));
+    // A plot that is made when it comes into sight moves nothing: what is clicked stays under the mouse.
+    body.style.minHeight = `${heightOf(panel)}px`;
+    this.legend(values, curves);
+    this.pending.set(figure, () => this.make(panel, body, values));
     watch.observe(figure);
   }
 
-  private make(panel: Panel, body: HTMLElement): void {
+  private make(panel: Panel, body: HTMLElement, values: HTMLElement): void {
     const style = getComputedStyle(document.documentElement);
     const text = style.getPropertyValue("--soft").trim();
     const grid = style.getPropertyValue("--line").trim();
     const shade = style.getPropertyValue("--stroke-shade").trim();
     const curves = panel.curves();
-    const heading = body.parentElement?.querySelector("h3");
+    const heading = body.closest(".panel")?.querySelector("h3");
     if (heading) heading.textContent = this.titleOf(panel);
     const series: uPlot.Series[] = [{}];
     const bands: uPlot.Band[] = [];
@@ -204,9 +212,8 @@ export class Plots {
     const axis = { stroke: text, font: "11px system-ui, sans-serif", grid: { stroke: grid, width: 1 }, ticks: { show: false } };
     const words = panel.words;
     const now = h("div", { class: "instant" });
-    const values = h("div", { class: "values", "aria-hidden": "true" });
     const chart = withPlainCanvases(() => new uPlot({
-      width: Math.max(200, body.clientWidth), height: words ? 110 : 132, padding: [6, 8, 0, 0],
+      width: Math.max(200, body.clientWidth), height: heightOf(panel), padding: [6, 8, 0, 0],
       legend: { show: false }, series, bands,
       cursor: {
         sync: { key: "time", setSeries: false }, points: { show: false }, y: false,
@@ -261,7 +268,6 @@ export class Plots {
       },
     }, this.data(curves, body.clientWidth), body));
     chart.over.append(now);
-    body.append(values);
     this.legend(values, curves);
     chart.over.addEventListener("click", (event) => {
       const left = event.clientX - chart.over.getBoundingClientRect().left;
@@ -269,7 +275,7 @@ export class Plots {
     });
     chart.over.addEventListener("mousedown", (event) => (this.pressed = event.clientX));
     chart.over.addEventListener("dblclick", () => this.zoom(...this.wholeRange()));
-    this.made.push({ panel, chart, now, body, curves });
+    this.made.push({ panel, chart, now, body, values, curves });
   }
 
   private pressed = 0;
@@ -350,12 +356,14 @@ export class Plots {
 
   // Draws all anew in the page's colours.
   restyle(): void {
-    for (const made of [...this.made]) {
-      made.chart.destroy();
-      made.body.replaceChildren();
-      this.made = this.made.filter((m) => m !== made);
-      this.make(made.panel, made.body);
-    }
+    for (const made of this.made) this.remake(made);
+  }
+
+  private remake(made: Made): void {
+    made.chart.destroy();
+    made.body.replaceChildren();
+    this.made = this.made.filter((m) => m !== made);
+    this.make(made.panel, made.body, made.values);
   }
 
   shownRange(): [number, number] {

@@ -305,6 +305,16 @@ test("the page shows what the log says", { timeout: 600_000 }, async (t) => {
     await page.keyboard.press("ArrowRight");
     assert.equal(await page.getByRole("tab", { name: "Plots" }).getAttribute("aria-selected"), "true");
 
+    // A plot is made when it comes into sight, and as high as its place: nothing moves under the mouse.
+    const heights = () => page.evaluate(() => [...document.querySelectorAll("section.panel")].map((e) => e.offsetHeight));
+    const before = await heights();
+    for (const panel of await page.locator("section.panel").all()) {
+      await panel.scrollIntoViewIfNeeded();
+      await panel.locator(".u-over").waitFor();
+    }
+    assert.deepEqual(await heights(), before);
+    await page.getByRole("region", { name: "normal force" }).scrollIntoViewIfNeeded();
+
     // Plots: drag to zoom, click to go there, in step with each other.
     const plot = page.getByRole("region", { name: "normal force" }).locator(".u-over");
     await page.waitForFunction(() => document.querySelector(".u-over").clientWidth > 300); // plots in a tab that was hidden get their width when it is shown

@@ -36,13 +36,14 @@ class RealSense:
         if self._recording:
             rs.config.enable_device_from_file(config, self._recording, repeat_playback=False)
         # What is refused is refused before the SDK's thread reads a recording: to end it at once could end the process.
-        self._read(self._reached(lambda: config.resolve(rs.pipeline_wrapper(self._pipeline))))
-        device = self._reached(lambda: self._pipeline.start(config)).get_device()
+        profile = self._reached(lambda: config.resolve(rs.pipeline_wrapper(self._pipeline)))
+        self._read(profile)
         self.duration = 0.0  # of a recording [s]
-        self._playback = device.as_playback() if self._recording else None
+        self._playback = profile.get_device().as_playback() if self._recording else None
         if self._playback:
-            self._playback.set_real_time(False)
+            self._playback.set_real_time(False)  # before the thread reads, which leaves out frames in real time
             self.duration = self._playback.get_duration().total_seconds()
+        self._reached(lambda: self._pipeline.start(config))
 
     def _reached(self, call: Callable[[], Any]) -> Any:
         try:
