@@ -1,17 +1,24 @@
 #include "impedraw/control/null_space.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "impedraw/control/damping.h"
 
 namespace impedraw {
+namespace {
+
+constexpr double kNoSelfMotion = 1e-12;  // of six joints: zᵀ M z [kg m²/s⁴]
+
+}  // namespace
 
 NullSpace::NullSpace(const ImpedanceSettings& s)
     : stiffness_(s.null_space.stiffness),
       q_0_(s.null_space.q_0),
       damping_ratio_(s.null_space.damping_ratio),
       range_torque_(s.joint_range.torque),
-      damping_rate_(bearable_rate(s.timing.damping_delay())) {}
+      joint_speed_(s.limits.joint_speed),
+      damping_delay_(s.timing.damping_delay()) {}
 
 JointVector NullSpace::torque(const ArmTerms& arm, const OperationalSpace& space,
                               const JointRange& range) noexcept {
@@ -27,12 +34,22 @@ JointVector NullSpace::unprojected(const ArmTerms& arm, const OperationalSpace& 
   const double speed = arm.v.cwiseAbs().maxCoeff();
   const double fast = speed / kSelfMotionSpeed - 1.0;
   const double along = pull.dot(arm.v) / (kAlong * pull.norm() * arm.v.norm() + 1e-12);
-  const double share = 1.0 - std::clamp(fast, 0.0, 1.0) * std::clamp(along, 0.0, 1.0);
+  double share = 1.0 - std::clamp(fast, 0.0, 1.0) * std::clamp(along, 0.0, 1.0);
   double damping = 1.0 + kMoreDamping * std::clamp(speed / kCalmSpeed - 1.0, 0.0, 1.0);
+  const auto rate = [&](const JointVector& u) {
+    return u.dot(D_q.cwiseProduct(u)) / u.dot(arm.M * u);
+  };
   if (damping > 1.0) {
-    const JointVector self = arm.v - space.joint_speed(arm.V_WE);
-    const double rate = self.dot(D_q.cwiseProduct(self)) / self.dot(arm.M * self);
-    if (rate > 0.0) damping = std::clamp(damping_rate_ / rate, 1.0, damping);
+    const double own = rate(arm.v - space.joint_speed(arm.V_WE));
+    if (own > 0.0) damping = std::clamp(bearable_rate(damping_delay_) / own, 1.0, damping);
+  }
+  const JointVector z =
+      space.acceleration(pull - arm.J.transpose().lazyProduct(space.project_to_tip(pull)));
+  if (z.dot(arm.M * z) > kNoSelfMotion) {
+    const double most = 1.0 / damping_delay_;
+    damping = std::min(damping, most / rate(z));
+    for (Eigen::Index j = 0; j < joint_speed_.size(); ++j)
+      share = std::min(share, joint_speed_[j] * most / std::abs(z[j]));
   }
   return share * pull - damping * D_q.cwiseProduct(arm.v) + range_torque(arm.q, range);
 }

@@ -8,7 +8,12 @@
 //          speeds the arm up, to 0 at twice that. Past a singular posture, which has held it, the
 //          arm would swing back to q_0 at several times its joints' speed limits.
 // Calming  d: from kCalmSpeed on the damping rises, to 1 + kMoreDamping times at twice that, as far
-//          as the sampled loop bears it (bearable_rate of damping.h).
+//          as it is well within what the sampled loop bears (bearable_rate of damping.h).
+// Light    Where little inertia moves with the self-motion, as in a light arm or at a stretched
+//          elbow, the loop bears less. The pull leads to z = M⁻¹ (I − Jᵀ J̄ᵀ) K_q (q_0 − q), and its
+//          damping has the rate r = zᵀ D_q z / zᵀ M z. d r is at most r_b = 1/(Δt + delay), as a
+//          damping that late swings from π/2 times that on. s is such that z / r_b, the speed in
+//          which pull and damping would end, is within the joints' limits.
 // Requires `space` updated for `arm`; settings completed for its joints
 #pragma once
 
@@ -42,7 +47,8 @@ class NullSpace {
   JointVector stiffness_, q_0_;  // K_q [Nm/rad], [rad]
   double damping_ratio_;         // ζ
   double range_torque_;          // at the end of a range [Nm]
-  double damping_rate_;          // bearable [1/s]
+  JointVector joint_speed_;      // limits [rad/s]; empty: none
+  double damping_delay_;         // [s]
   bool near_range_end_ = false;
 };
 

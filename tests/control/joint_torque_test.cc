@@ -175,6 +175,48 @@ TEST(NullSpace, PullsCalmsAndKeepsOffTheEndsWithoutMovingTheTip) {
   }
 }
 
+// A hundredth of the inertia along the arm's own motion, or less.
+TEST(NullSpace, ALightArmIsPulledAndDampedAsTheSampledLoopBears) {
+  ImpedanceSettings s = with_ranges(3.0, 0.6);
+  s.null_space.q_0 = Eigen::VectorXd::Constant(7, 0.4);
+  NullSpace null_space(s);
+  const JointRange range(s);
+  const double most = 1.0 / s.timing.damping_delay();
+  int weaker = 0, softer = 0;
+  AnyArm any(5);
+  for (int i = 0; i < 100; ++i) {
+    ArmTerms arm = any.terms(0.0);
+    arm.M *= std::pow(10.0, -any.number(0.0, 5.0));
+    const Posture at(arm);
+    const Eigen::VectorXd D = 2.0 * s.null_space.damping_ratio *
+                              s.null_space.stiffness.cwiseProduct(arm.M.diagonal()).cwiseSqrt();
+    const Eigen::VectorXd pull = s.null_space.stiffness.cwiseProduct(s.null_space.q_0 - arm.q);
+    const auto self_motion = [&](const Eigen::VectorXd& tau) -> Eigen::VectorXd {
+      return at.M_inverse() * (tau - arm.J.transpose() * at.J_bar().transpose() * tau);
+    };
+    const Eigen::VectorXd z = self_motion(pull);
+    const double rate = z.dot(D.cwiseProduct(z)) / z.dot(arm.M * z);
+    const Eigen::VectorXd pulled = null_space.unprojected(at.arm, at.space, range);
+    const double share = pulled.dot(pull) / pull.squaredNorm();
+    EXPECT_LT((pulled - share * pull).norm(), 1e-9);
+    EXPECT_LE((self_motion(pulled) / most).cwiseAbs().maxCoeff(), 0.6 * (1.0 + 1e-6));
+    weaker += share < 0.99;
+    EXPECT_TRUE(share < 0.99 || std::abs(share - 1.0) < 1e-12 ||
+                (self_motion(pulled) / most).cwiseAbs().maxCoeff() > 0.59);
+    // Slow enough that nothing fades or calms.
+    arm.v = z / z.cwiseAbs().maxCoeff() * 0.1;
+    arm.V_WE.setZero();
+    const Posture moving(arm);
+    const Eigen::VectorXd damped = pulled - null_space.unprojected(moving.arm, moving.space, range);
+    const double times = damped.norm() / D.cwiseProduct(Eigen::VectorXd(arm.v)).norm();
+    EXPECT_NEAR(times, std::min(1.0, most / rate), 1e-6);
+    softer += times < 0.99;
+  }
+  EXPECT_GT(weaker, 10);
+  EXPECT_GT(softer, 10);
+  EXPECT_LT(std::max(weaker, softer), 90);
+}
+
 TEST(JointDamper, TakesEnergyFromFastJointsAndTouchesNoOther) {
   const ImpedanceSettings s = with_ranges(3.0, 0.4);
   JointDamper damper(s);
