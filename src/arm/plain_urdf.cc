@@ -28,6 +28,14 @@ const char* const kMoments[3][3] = {
 
 std::string name_of(const UrdfElement* e) { return value(e, "name"); }
 
+// Vendors' base links have boxes of 0 × 0 × 0.
+bool has_no_size(const UrdfElement* shape) {
+  const std::string kind = shape->Name();
+  if (kind == "box") return vector(shape, "size", 0.0).isZero(0.0);
+  return (kind == "sphere" || kind == "cylinder" || kind == "capsule") &&
+         number(shape, "radius") == 0.0 && number(shape, "length") == 0.0;
+}
+
 // A capsule as a link's collision body.
 void add_body(UrdfElement* link, const Capsule& c) {
   auto* collision = link->InsertNewChildElement("collision");
@@ -68,7 +76,13 @@ class Plain {
     for (UrdfElement* joint : tree_.joints) fix(joint);
     if (!fixed_.empty())
       notes.push_back("joints that do not carry the tip are fixed where they stand:" + fixed_);
-    for (UrdfElement* link : tree_.links) make_bodies(link);
+    for (UrdfElement* joint : tree_.joints) keep_first(joint, "joint '" + name_of(joint) + "'");
+    for (UrdfElement* link : tree_.links) {
+      for (const char* part : {"inertial", "visual", "collision"})
+        for (UrdfElement* e : all(link, part))
+          keep_first(e, fmt::format("link '{}': its {}", name_of(link), part));
+      make_bodies(link);
+    }
     if (tree_.text().find("<capsule") != std::string::npos &&
         !tree_.document.RootElement()->Attribute("version", "1.2"))
       tree_.document.RootElement()->SetAttribute("version", "1.1");  // which has capsules
@@ -88,6 +102,15 @@ class Plain {
       throw InputError(
           fmt::format("{}; valid is {}; ./impedraw arm make-urdf fills it in", what, valid));
     notes.push_back(fmt::format("{}: {}", what, filled));
+  }
+
+  // Of an element that stands twice where URDF has one, the first counts, as urdfdom has it.
+  void keep_first(UrdfElement* e, const std::string& what) {
+    for (auto* one = e->FirstChildElement(); one; one = one->NextSiblingElement())
+      while (auto* other = one->NextSiblingElement(one->Name())) {
+        notes.push_back(fmt::format("{} has another <{}>: the first counts", what, one->Name()));
+        e->DeleteChild(other);
+      }
   }
 
   void fix(UrdfElement* joint) {
@@ -162,6 +185,12 @@ class Plain {
       auto* geometry = body->FirstChildElement("geometry");
       const auto* shape = geometry ? geometry->FirstChildElement() : nullptr;
       const std::string kind = shape ? shape->Name() : "";
+      if (shape && has_no_size(shape)) {
+        notes.push_back(fmt::format("link '{}': its collision {} has no size: it is left out",
+                                    name_of(link), kind));
+        link->DeleteChild(body);
+        continue;
+      }
       if (kind != "box" && kind != "mesh") continue;
       const Isometry3d X = placement_of(body);
       std::vector<Capsule> capsules;
@@ -169,10 +198,10 @@ class Plain {
         capsules = mesh_capsules(link, shape, X);
       } else {
         const Vector3d edges = vector(shape, "size", 0.0);
-        if (!(edges.minCoeff() > 0.0))
+        if (!(edges.minCoeff() >= 0.0))
           throw InputError(
               fmt::format("link '{}': a box's size is \"{}\" m; valid are three edges "
-                          "of more than 0 m",
+                          "of 0 m or more",
                           name_of(link), value(shape, "size")));
         int i = 0;
         edges.maxCoeff(&i);

@@ -45,7 +45,7 @@ struct PlacementSettings {
   bool mirror = false;
 
   struct Limits {
-    static constexpr Limit centre = {"centre", "m", {-2.0, 2.0}};
+    static constexpr Limit centre = {"centre", "m", {-10.0, 10.0}};
     static constexpr Limit scale = {"scale", "", Range::positive()};
     static constexpr Limit width = {"width", "mm", Range::positive()};
     static constexpr Limit height = {"height", "mm", Range::positive()};

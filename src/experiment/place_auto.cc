@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -23,6 +25,9 @@ using Eigen::Vector3d;
 constexpr int kCoarse = 24, kFine = 90;  // points of the drawing that are asked
 constexpr int kCandidates = 8;           // that go on from the grid
 constexpr int kPlanned = 2;              // of these, that are planned as a whole
+// Distances of start and canvas from the base, over the usual ones: a large arm cannot fold up to
+// these.
+constexpr double kFarther[] = {1.5, 2.2, 3.2, 4.5};
 
 struct Candidate {
   Vector2d move = Vector2d::Zero();
@@ -80,6 +85,7 @@ class Search {
         arm_(e.belief.arm),
         terms_(e.belief.arm.joints()),
         centre_(e.scenario.drawing.placement.centre_m),
+        scale_(std::max(1.0, e.scenario.arm.start_p_WE.x() / ArmSettings().start_p_WE.x())),
         coarse_(points_of(e, kCoarse)),
         fine_(points_of(e, kFine)) {
     if (fine_.empty()) throw InputError("--place auto: no part of the drawing lies on the canvas");
@@ -131,7 +137,7 @@ class Search {
       if (progress) progress(0.6 * i / kAlong);
       for (int j = 0; j < kAcross; ++j) {
         for (int k = 0; k < kTurns; ++k) {
-          Candidate c{Vector2d(0.30 + 0.05 * i, -0.4 + 0.1 * j) - centre_, 90.0 * k};
+          Candidate c{scale_ * Vector2d(0.30 + 0.05 * i, -0.4 + 0.1 * j) - centre_, 90.0 * k};
           const double least = best.size() < kCandidates ? -std::numeric_limits<double>::infinity()
                                                          : best.back().margin;
           c.margin = margin(c, false, least);
@@ -176,6 +182,7 @@ class Search {
   ArmModel arm_;
   ArmTerms terms_;
   Vector2d centre_;
+  double scale_;  // of the places that are tried
   std::vector<Point> coarse_, fine_;
 };
 
@@ -206,8 +213,11 @@ Scenario moved(const Scenario& given, const Vector2d& move, double turn_deg) {
   return s;
 }
 
-PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
-                                 const std::function<void(double)>& progress) {
+namespace {
+
+// About the place where the canvas is.
+PlacedCanvas place_about(const Scenario& scenario, const Places& places,
+                         const std::function<void(double)>& progress) {
   if (!scenario.drawing.tilt_deg.isZero())
     throw InputError("--place auto needs a level drawing plane: drawing.tilt must be [0, 0, 0]");
   if (!scenario.canvas.motion.file.empty())
@@ -245,12 +255,41 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
     }
     if (!(lost < least)) continue;
     least = lost;
-    best = {there, c.move, c.turn_deg, c.margin, before, lost == 0.0};
+    best = {there, c.turn_deg, c.margin, before, lost == 0.0};
     if (best.passes) break;
   }
   if (!std::isfinite(least))
     throw InputError("--place auto: the drawing cannot be drawn at any place that was tried");
   return best;
+}
+
+}  // namespace
+
+PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
+                                 const std::function<void(double)>& progress) {
+  std::optional<PlacedCanvas> near;
+  std::exception_ptr why;
+  try {
+    near = place_about(scenario, places, progress);
+    if (near->passes) return *near;
+  } catch (const InputError&) {
+    why = std::current_exception();
+  }
+  const bool given_start = scenario.arm.start_p_WE != ArmSettings().start_p_WE;
+  for (const double by : kFarther) {
+    if (given_start) break;
+    Scenario far = moved(scenario, (by - 1.0) * scenario.drawing.placement.centre_m, 0.0);
+    far.arm.start_p_WE *= by;
+    if (far.fence.low == FenceSettings().low) far.fence.low *= by;
+    if (far.fence.high == FenceSettings().high) far.fence.high *= by;
+    try {
+      const PlacedCanvas found = place_about(far, places, progress);
+      if (found.passes) return found;
+    } catch (const InputError&) {  // what is wrong is told of the usual place
+    }
+  }
+  if (why) std::rethrow_exception(why);
+  return *near;
 }
 
 }  // namespace impedraw

@@ -9,7 +9,8 @@
 // the drawing's points, with the pen along the canvas's normal; inverse kinematics starts each
 // posture from the previous one. A point out of reach counts as minus the remaining error [m]. A
 // grid search over (x, y, turn) is followed by a pattern search from its best poses. The best pose
-// that passes the whole pre-flight is chosen.
+// that passes the whole pre-flight is chosen. Where none does, canvas and default arm.start are
+// tried farther from the base, up to 4.5 times: for a large arm.
 #pragma once
 
 #include <functional>
@@ -20,9 +21,9 @@
 namespace impedraw {
 
 struct PlacedCanvas {
-  Scenario scenario;  // canvas, drawing, cameras and region are moved; the rest is as given
-  Eigen::Vector2d move = Eigen::Vector2d::Zero();  // of the drawing's centre [m]
-  double turn_deg = 0.0;                           // about the drawing's centre
+  // Canvas, drawing, cameras, region and arm.start are moved; the rest is as given.
+  Scenario scenario;
+  double turn_deg = 0.0;  // about the drawing's centre
   double margin = 0.0, margin_before = 0.0;
   // Passes the pre-flight. If no pose does, the result is the one with the least undrawable length.
   bool passes = false;

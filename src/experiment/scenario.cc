@@ -195,13 +195,13 @@ void describe(Fields& f, ArmSettings& s) {
   f.field("q_0", s.q_0, {-3.2, 3.2}, "rad",
           "Rest posture of the null space, one angle per joint; empty: the posture over the middle "
           "of the drawing.");
-  f.field("start", s.start_p_WE, {-2.0, 2.0}, "m",
+  f.field("start", s.start_p_WE, {-10.0, 10.0}, "m",
           "Position of the pen tip during the snapshot and at the start.");
 }
 
 void describe(Fields& f, FenceSettings& s) {
-  f.field("low", s.low, {-2.0, 2.0}, "m", "Lowest coordinates that the tip may have.");
-  f.field("high", s.high, {-2.0, 2.0}, "m", "Highest coordinates that the tip may have.");
+  f.field("low", s.low, {-10.0, 10.0}, "m", "Lowest coordinates that the tip may have.");
+  f.field("high", s.high, {-10.0, 10.0}, "m", "Highest coordinates that the tip may have.");
   f.field("force", s.force, {1.0, 200.0}, "N",
           "Measured force on the tip that ends the run; null: 150 N, where it is measured. Needs "
           "control.wrench.");

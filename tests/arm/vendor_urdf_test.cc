@@ -255,6 +255,18 @@ TEST_F(VendorBodies, MeshesAndBoxesAreEnclosed) {
               HasSubstr("link 'l1': a box's size"));
   EXPECT_THAT(refused(arm_with("<capsule radius='0' length='0.3'/>")),
               HasSubstr("a capsule's rad"));
+  // Kinova's base link has the first of these.
+  for (const std::string none :
+       {"<box size='0 0 0'/>", "<sphere radius='0'/>", "<cylinder radius='0' length='0'/>"}) {
+    const std::vector<std::string> notes = made(arm_with(none)).notes;
+    EXPECT_EQ(std::ranges::count_if(notes,
+                                    [](const std::string& n) {
+                                      return n.starts_with("link 'l1': its collision ") &&
+                                             n.ends_with("left out");
+                                    }),
+              1)
+        << none;
+  }
 }
 
 TEST_F(VendorBodies, AMeshThatCannotBeReadIsNamedOrReplaced) {
@@ -382,6 +394,25 @@ TEST_F(VendorUrdf, AFixedJointMimicsNothing) {
 }
 
 // As the SO-100: five joints and a jaw.
+// MuJoCo refuses them; an ABB IRB 4600 has two materials in a visual.
+TEST_F(VendorUrdf, OfElementsThatStandTwiceTheFirstCounts) {
+  std::string urdf = Vendor{.end = kTip}.text();
+  const auto put = [&urdf](const std::string& before, const std::string& more) {
+    const std::size_t at = urdf.find(before);
+    ASSERT_NE(at, std::string::npos);
+    urdf.insert(at, more);
+  };
+  put("</link>",
+      "<visual><geometry><sphere radius='0.1'/></geometry><material name='a'/><material "
+      "name='b'/></visual>");
+  put("<axis xyz='0 1 0'/>", "<axis xyz='0 1 0'/><axis xyz='1 0 0'/>");
+  const PlainUrdf plain = made(urdf);
+  EXPECT_THAT(plain.notes, ::testing::IsSupersetOf(
+                               {HasSubstr("its visual has another <material>: the first counts"),
+                                HasSubstr("joint 'j2' has another <axis>: the first counts")}));
+  expect_same_arm(write("made.urdf", plain.text), 3);
+}
+
 TEST_F(VendorUrdf, AJawIsNoJointOfAnArm) {
   std::string urdf = Vendor{}.text();
   for (std::size_t at; (at = urdf.find("'l6'")) != std::string::npos;) urdf.replace(at, 4, "'jaw'");

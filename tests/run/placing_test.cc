@@ -1,8 +1,14 @@
 // Placement of drawings: a canvas moved within the arm's reach, and a page wrapped round a surface.
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
+#include <regex>
+#include <sstream>
+#include <string>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "drawn_scenario.h"
 #include "impedraw/common/errors.h"
@@ -64,6 +70,35 @@ TEST(Placing, FindsWhereTheArmReachesBest) {
             0.8 * prepare(resolve(standard)).plan.preflight.margins.joint);
   EXPECT_GT(found.margin, place_automatically(resolve(standard), {}).margin - 0.05)
       << "wherever it stood before";
+}
+
+// The iiwa as if it were two and a half times as large: it cannot fold up to the usual canvas.
+TEST(Placing, ALargeArmDrawsFartherAway) {
+  std::stringstream text;
+  text << std::ifstream("models/iiwa14_pen.urdf").rdbuf();
+  const std::string given = text.str();
+  const std::regex lengths("(xyz|radius|length|effort)=\"([^\"]*)\"");
+  std::string urdf;
+  auto end = given.cbegin();
+  for (std::sregex_iterator it(given.begin(), given.end(), lengths), none; it != none; ++it) {
+    urdf.append(end, (*it)[0].first);
+    urdf += (*it)[1].str() + "=\"";
+    std::stringstream numbers((*it)[2].str());
+    for (double x = 0.0; numbers >> x;) urdf += std::to_string(2.5 * x) + " ";
+    urdf += "\"";
+    end = (*it)[0].second;
+  }
+  urdf.append(end, given.cend());
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("large_arm_" + std::to_string(getpid()) + ".urdf");
+  std::ofstream(file) << urdf;
+  DrawOptions options;
+  options.assignments = {"arm.urdf=" + file.string()};
+  const PlacedCanvas found = place_automatically(resolve(options), {});
+  std::filesystem::remove(file);
+  EXPECT_TRUE(found.passes);
+  EXPECT_GT(found.scenario.drawing.placement.centre_m.norm(), 0.75);
+  EXPECT_GT(found.scenario.arm.start_p_WE.x(), 0.6);
 }
 
 // A sheet round a cylinder keeps its lengths. A projection stretches lengths across it by up to
