@@ -8,6 +8,8 @@
 
 #include "impedraw/canvas/mesh_file.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/experiment/cover.h"
+#include "impedraw/experiment/marked_areas.h"
 #include "impedraw/experiment/place_surface.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/live/page_server.h"
@@ -26,6 +28,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kTroubles[] = {"none", "missing", "steep", "edge", "avoided", "out of reach"};
 constexpr std::size_t kMostPoints = 60000;  // of the cloud on the page
+constexpr double kFarthest = 5.0;           // from the middle of the drawing plane [m]
 
 // Rounded to 0.01 mm, so that the page's data stay small.
 void add(const Eigen::Vector3d& p, Json* numbers) {
@@ -87,10 +90,30 @@ PlaceFound placement_in(const Json& question) {
     return found->get<double>();
   };
   PlaceFound place;
-  place.middle = {number("x", -5.0, 5.0), number("y", -5.0, 5.0)};
+  place.middle = {number("x", -kFarthest, kFarthest), number("y", -kFarthest, kFarthest)};
   place.turn_deg = number("turn", -360.0, 360.0);
   place.size = number("size", 0.01, 100.0);
   return place;
+}
+
+// "areas": [[x, y, x, y, …], …].
+std::vector<std::vector<Eigen::Vector2d>> areas_in(const Json& question) {
+  const auto wrong = [] {
+    return InputError("'areas' must be a list of outlines: lists of x and y by turns [m]");
+  };
+  const Json& areas = question.at("areas");
+  if (!areas.is_array()) throw wrong();
+  std::vector<std::vector<Eigen::Vector2d>> outlines;
+  for (const Json& area : areas) {
+    if (!area.is_array() || area.size() % 2 != 0) throw wrong();
+    std::vector<Eigen::Vector2d>& outline = outlines.emplace_back(area.size() / 2);
+    for (std::size_t k = 0; k < area.size(); ++k) {
+      if (!area[k].is_number()) throw wrong();
+      outline[k / 2][k % 2] = area[k].get<double>();
+      if (!(std::abs(outline[k / 2][k % 2]) <= kFarthest)) throw wrong();
+    }
+  }
+  return outlines;
 }
 
 Json checked(const PlaceBench& bench, const PlaceFound& place) {
@@ -142,13 +165,28 @@ int place_by_hand(DrawOptions options, const PlaceOptions& place) {
     if (name == "plan") return Json{{"share", bench->share_of_plan(placement_in(question))}}.dump();
     if (name != "save")
       throw InputError(fmt::format("'{}' is no question; valid are check, plan, save, end", name));
-    const Scenario placed = bench->scenario_at(placement_in(question));
-    std::error_code none;
-    if (fs::exists(place.save, none) && !question.value("overwrite", false))
-      throw InputError(fmt::format("{} is there; 'overwrite' replaces it", place.save.string()));
-    write_whole(place.save, settings_yaml(placed));
-    const std::string file = fs::absolute(place.save).lexically_normal().string();
-    say(stdout, "saved    {}\n         ./impedraw draw {}\n", file, place.save.string());
+    const auto free_for = [&](const fs::path& target) {
+      std::error_code none;
+      if (fs::exists(target, none) && !question.value("overwrite", false))
+        throw InputError(fmt::format("{} is there; 'overwrite' replaces it", target.string()));
+      return target;
+    };
+    const fs::path target = free_for(place.save);
+    const bool marked = question.contains("areas");
+    Scenario placed;
+    if (marked) {
+      const MarkedAreas areas = marked_areas(areas_in(question));
+      placed = with_cover_defaults(bench->scenario(), places);
+      placed.cover.region = fs::absolute(free_for(fs::path(target).replace_extension(".svg")));
+      placed.drawing.placement = areas.placement;
+      write_whole(placed.cover.region, areas.svg);
+    } else {
+      placed = bench->scenario_at(placement_in(question));
+    }
+    write_whole(target, settings_yaml(placed));
+    const std::string file = fs::absolute(target).lexically_normal().string();
+    say(stdout, "saved    {}\n         ./impedraw {} {}\n", file, marked ? "cover" : "draw",
+        target.string());
     return Json{{"file", file}}.dump();
   };
   const Interrupt interrupt;

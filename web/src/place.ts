@@ -1,11 +1,12 @@
-// The page of ./impedraw place: the object in 3-D, on which the drawing is dragged, turned and scaled.
+// The page of ./impedraw place: the object in 3-D, on which the drawing is dragged, turned and scaled, or areas are marked for
+// ./impedraw cover.
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { BodyMaterial } from "./bodies";
 import { problemColour, rgb } from "./colours";
 import { h, numberText } from "./dom";
 import { Lines } from "./lines";
-import { type Cells, History, type Place, placed, spaced, Surface } from "./placing";
+import { type Cells, History, missing, type Place, placed, spaced, Surface } from "./placing";
 
 interface Data {
   name: string;
@@ -28,6 +29,7 @@ interface Check {
 }
 
 const above = 0.4e-3; // of the lines over the surface [m]
+const between = 1e-3; // of the points of an outline [m]
 const mostPoints = 6000; // of the drawing on the screen
 const token = location.search;
 
@@ -38,7 +40,9 @@ async function ask(name: string, question: object): Promise<Record<string, unkno
 
 class Page {
   private surface: Surface;
-  private history: History;
+  private history: History<Place>;
+  private areas = new History<number[][]>([]); // that are marked: outlines in P, x and y by turns [m]
+  private marking = false;
   private lines = new Lines([]);
   private renderer: three.WebGLRenderer;
   private scene = new three.Scene();
@@ -58,6 +62,9 @@ class Page {
   private undo = h("button", { title: "ctrl-Z" }, "Undo");
   private redo = h("button", { title: "ctrl-shift-Z" }, "Redo");
   private save = h("button", { title: "ctrl-S" }, "Save");
+  private plan = h("button", { title: "the whole pre-flight; takes some seconds" }, "Check fully");
+  private mark = h("button", { "aria-pressed": "false", title: "goes round what a pad shall treat: ./impedraw cover" }, "Mark an area");
+  private keys = h("p", { class: "hint keys" });
 
   constructor(private data: Data, root: HTMLElement) {
     this.surface = new Surface(data.cells, data.X_WP);
@@ -74,12 +81,10 @@ class Page {
     const fields = h("div", { class: "fields" });
     for (const [name, key, unit] of [["x", "x", "mm"], ["y", "y", "mm"], ["turn", "turn", "°"], ["width", "width", "mm"]] as const)
       fields.append(...row(name, this.inputs[key], unit));
-    const plan = h("button", { title: "the whole pre-flight; takes some seconds" }, "Check fully");
     const stage = h("div", { class: "stage" }, canvas);
     root.replaceChildren(h("main", { class: "place" }, stage,
       h("aside", { class: "side" }, h("h1", {}, data.name), h("div", {}, this.share, this.summary), this.lost, fields,
-        h("div", { class: "buttons" }, this.undo, this.redo, plan, this.save), this.said,
-        h("p", { class: "hint keys" }, "Drag the drawing along the object; drag beside it to look around. Arrow keys move it by 1 mm, with shift by 10; [ and ] turn it, − and + scale it."))));
+        h("div", { class: "buttons" }, this.undo, this.redo, this.mark, this.plan, this.save), this.said, this.keys)));
 
     this.body = this.makeBody();
     this.camera.up.set(0, 0, 1);
@@ -92,13 +97,15 @@ class Page {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
 
     for (const element of Object.values(this.inputs)) element.addEventListener("change", () => this.typed());
-    this.undo.addEventListener("click", () => this.history.undo() && this.refresh());
-    this.redo.addEventListener("click", () => this.history.redo() && this.refresh());
+    this.undo.addEventListener("click", () => this.changes.undo() && this.refresh());
+    this.redo.addEventListener("click", () => this.changes.redo() && this.refresh());
     this.save.addEventListener("click", () => void this.store(false));
-    plan.addEventListener("click", () => void this.planned());
+    this.plan.addEventListener("click", () => void this.planned());
+    this.mark.addEventListener("click", () => this.setMarking(!this.marking));
     addEventListener("keydown", (event) => this.key(event));
     this.dragBy(canvas);
-    this.refresh();
+    this.markBy(canvas);
+    this.setMarking(false);
   }
 
   private makeBody(): three.Object3D {
@@ -152,12 +159,47 @@ class Page {
     return trouble === 0 ? "#0a3d91" : problemColour(trouble - 1);
   }
 
-  // The drawing anew at its place, in its colours.
+  private get changes(): History<Place> | History<number[][]> {
+    return this.marking ? this.areas : this.history;
+  }
+
+  private setMarking(marking: boolean): void {
+    this.marking = marking;
+    this.mark.setAttribute("aria-pressed", String(marking));
+    for (const input of Object.values(this.inputs)) input.disabled = marking;
+    this.plan.disabled = marking;
+    this.renderer.domElement.classList.toggle("marking", marking);
+    this.keys.textContent = marking
+      ? "Go round what is to be treated, with the button held down; more areas are added. Drag beside the object to look around. Escape leads back to the drawing."
+      : "Drag the drawing along the object; drag beside it to look around. Arrow keys move it by 1 mm, with shift by 10; [ and ] turn it, − and + scale it.";
+    this.say("");
+    this.refresh();
+  }
+
+  // The drawing anew at its place, or the areas that are marked, in their colours.
   private refresh(): void {
+    if (this.marking) {
+      const rows = this.surface.rows(this.areas.now);
+      this.lay([...this.areas.now.map((area) => [...area, area[0], area[1]]), ...rows], this.data.cells.side / 2);
+      this.tellAreas();
+    } else {
+      this.lay(this.data.strokes.map((stroke) => placed(stroke, this.history.now)), this.step);
+      void this.check();
+    }
+    const { x, y, turn, size } = this.history.now;
+    const shown = { x: 1e3 * x, y: 1e3 * y, turn, width: size * this.base.width };
+    for (const [key, input] of Object.entries(this.inputs))
+      if (document.activeElement !== input) input.value = shown[key as keyof typeof shown].toFixed(1);
+    this.undo.disabled = !this.changes.canUndo;
+    this.redo.disabled = !this.changes.canRedo;
+  }
+
+  // Lines of P on the surface.
+  private lay(lines: number[][], step: number): void {
     const points: number[] = [], tints: number[] = [];
     const top = this.surface.top();
-    for (const stroke of this.data.strokes) {
-      const line = spaced(placed(stroke, this.history.now), this.step);
+    for (const given of lines) {
+      const line = spaced(given, step);
       let last: [number, number, number] | null = null;
       for (let k = 0; k < line.length; k += 2) {
         const [x, y] = [line[k], line[k + 1]];
@@ -165,7 +207,7 @@ class Page {
         const p = this.surface.world(x, y, (z ?? top) + above);
         if (last) {
           points.push(...last, ...p);
-          tints.push(z === null ? 1 : this.surface.trouble(x, y));
+          tints.push(z === null ? missing : this.surface.trouble(x, y));
         }
         last = p;
       }
@@ -174,14 +216,7 @@ class Page {
     this.lines.append(points);
     this.lines.tint((segment) => rgb(this.colour(tints[segment])));
     this.lines.show(tints.length);
-    const { x, y, turn, size } = this.history.now;
-    const shown = { x: 1e3 * x, y: 1e3 * y, turn, width: size * this.base.width };
-    for (const [key, input] of Object.entries(this.inputs))
-      if (document.activeElement !== input) input.value = shown[key as keyof typeof shown].toFixed(1);
-    this.undo.disabled = !this.history.canUndo;
-    this.redo.disabled = !this.history.canRedo;
     this.draw();
-    void this.check();
   }
 
   // One question at a time; the last place is always asked for.
@@ -209,13 +244,25 @@ class Page {
       this.base = { width: found.width_mm / place.size, height: found.height_mm / place.size };
       this.inputs.width.value = found.width_mm.toFixed(1);
     }
-    this.share.textContent = `${(Math.floor(1000 * found.share) / 10).toFixed(1)} %`;
-    this.share.dataset.all = String(found.share > 0.9995);
-    this.summary.textContent = `can be drawn · ${numberText(found.width_mm, 3)} × ${numberText(found.height_mm, 3)} mm · about ${minutes(found.time_s)}`;
-    const rows = this.data.cells.words.map((word, trouble) => ({ word, trouble, lost: found.lost_mm[word] ?? 0 })).filter((r) => r.lost > 0);
-    this.lost.replaceChildren(...rows.flatMap(({ word, trouble, lost }) => [
-      h("span", {}, h("i", { style: `--key: ${problemColour(trouble - 1)}` }), word === "missing" ? "off the surface, or too rough" : word),
-      h("span", { class: "hint" }, `${numberText(lost, 2)} mm`)]));
+    if (this.marking) return;
+    this.tellShare(found.share, new Map(this.data.cells.words.map((word, trouble) => [trouble, found.lost_mm[word] ?? 0])), "mm",
+      `can be drawn · ${numberText(found.width_mm, 3)} × ${numberText(found.height_mm, 3)} mm · about ${minutes(found.time_s)}`);
+  }
+
+  private tellAreas(): void {
+    const { all, lost } = this.surface.sizeOf(this.areas.now);
+    const cm2 = new Map([...lost].map(([trouble, size]) => [trouble, 1e4 * size]));
+    const share = all > 0 ? 1 - [...lost.values()].reduce((a, b) => a + b, 0) / all : 0;
+    this.tellShare(share, cm2, "cm²", all > 0 ? `of ${numberText(1e4 * all, 3)} cm² can be treated, less the pad's margin at edges` : "nothing is marked");
+  }
+
+  private tellShare(share: number, lost: Map<number, number>, unit: string, summary: string): void {
+    this.share.textContent = `${(Math.floor(1000 * share) / 10).toFixed(1)} %`;
+    this.share.dataset.all = String(share > 0.9995);
+    this.summary.textContent = summary;
+    this.lost.replaceChildren(...[...lost].filter(([, size]) => size > 0).flatMap(([trouble, size]) => [
+      h("span", {}, h("i", { style: `--key: ${problemColour(trouble - 1)}` }), trouble === missing ? "off the surface, or too rough" : this.data.cells.words[trouble]),
+      h("span", { class: "hint" }, `${numberText(size, 2)} ${unit}`)]));
   }
 
   private say(text: string, bad = false): void {
@@ -242,14 +289,15 @@ class Page {
     const control = event.ctrlKey || event.metaKey;
     if (control && event.key.toLowerCase() === "z") {
       event.preventDefault();
-      if (event.shiftKey ? this.history.redo() : this.history.undo()) this.refresh();
+      if (event.shiftKey ? this.changes.redo() : this.changes.undo()) this.refresh();
       return;
     }
     if (control && event.key.toLowerCase() === "s") {
       event.preventDefault();
       return void this.store(false);
     }
-    if (control || event.target instanceof HTMLInputElement) return;
+    if (event.key === "Escape" && this.marking) return this.setMarking(false);
+    if (control || this.marking || event.target instanceof HTMLInputElement) return;
     const step = event.shiftKey ? 0.01 : 0.001;
     const { x, y, turn, size } = this.history.now;
     const moves: Record<string, Partial<Place>> = {
@@ -304,7 +352,7 @@ class Page {
     // Before the orbit sees it.
     canvas.addEventListener("pointerdown", (event) => {
       const at = this.under(event, canvas);
-      if (event.button !== 0 || !at || !onDrawing(at)) return;
+      if (this.marking || event.button !== 0 || !at || !onDrawing(at)) return;
       event.stopImmediatePropagation();
       canvas.setPointerCapture(event.pointerId);
       from = { at, place: this.history.now };
@@ -312,6 +360,7 @@ class Page {
       this.history.move(this.history.now);
     }, { capture: true });
     canvas.addEventListener("pointermove", (event) => {
+      if (this.marking) return;
       const at = this.under(event, canvas);
       if (!from) return void canvas.classList.toggle("over", onDrawing(at));
       if (at) this.go({ x: from.place.x + at[0] - from.at[0], y: from.place.y + at[1] - from.at[1] }, true);
@@ -319,6 +368,35 @@ class Page {
     const end = (): void => {
       from = null;
       this.orbit.enabled = true;
+    };
+    canvas.addEventListener("pointerup", end);
+    canvas.addEventListener("pointercancel", end);
+  }
+
+  // An outline that is drawn on the object, whose last point is joined to its first.
+  private markBy(canvas: HTMLCanvasElement): void {
+    let outline: number[] | null = null;
+    canvas.addEventListener("pointerdown", (event) => {
+      const at = this.marking && event.button === 0 ? this.under(event, canvas) : null;
+      if (!at) return;
+      event.stopImmediatePropagation();
+      canvas.setPointerCapture(event.pointerId);
+      this.orbit.enabled = false;
+      outline = at.map(rounded);
+      this.areas.move([...this.areas.now, outline]);
+    }, { capture: true });
+    canvas.addEventListener("pointermove", (event) => {
+      const at = outline && this.under(event, canvas);
+      if (!outline || !at || Math.hypot(at[0] - outline[outline.length - 2], at[1] - outline[outline.length - 1]) < between) return;
+      outline.push(...at.map(rounded));
+      this.refresh();
+    });
+    const end = (): void => {
+      if (!outline) return;
+      this.orbit.enabled = true;
+      if (this.surface.rows([outline]).length === 0) this.areas.undo();
+      outline = null;
+      this.refresh();
     };
     canvas.addEventListener("pointerup", end);
     canvas.addEventListener("pointercancel", end);
@@ -336,8 +414,8 @@ class Page {
 
   private async store(overwrite: boolean): Promise<void> {
     try {
-      const found = await ask("save", { ...this.history.now, overwrite });
-      if (typeof found.file === "string") return this.say(`saved: ${found.file}`);
+      const found = await ask("save", { ...(this.marking ? { areas: this.areas.now } : this.history.now), overwrite });
+      if (typeof found.file === "string") return this.say(`saved: ${found.file}; ./impedraw ${this.marking ? "cover" : "draw"} takes it`);
       const again = h("button", { class: "small" }, "Overwrite");
       again.addEventListener("click", () => void this.store(true));
       this.say(`${String(found.error)} `, true);
@@ -366,6 +444,7 @@ function boxOf(strokes: number[][]): [number, number, number, number] {
   return box;
 }
 
+const rounded = (x: number): number => Math.round(1e5 * x) / 1e5; // to 0.01 mm
 const minutes = (s: number): string => (s < 90 ? `${Math.round(s)} s` : `${(s / 60).toFixed(1)} min`);
 
 async function begin(root: HTMLElement): Promise<void> {

@@ -62,10 +62,56 @@ export class Surface {
     return [0, 1].map((c) => X[c] * d[0] + X[4 + c] * d[1] + X[8 + c] * d[2]) as [number, number];
   }
 
+  // Rows of cells in areas that were marked, each from its beginning to its end: x, y by turns. Of an outline that crosses itself,
+  // all that it goes round is marked.
+  rows(areas: number[][]): number[][] {
+    const c = this.cells, out: number[][] = [];
+    for (let j = 0; j < c.rows; ++j) {
+      const y = c.y + (j + 0.5) * c.side;
+      let begin = -1;
+      for (let i = 0; i <= c.columns; ++i) {
+        const x = c.x + (i + 0.5) * c.side;
+        const within = i < c.columns && areas.some((area) => turnsRound(area, x, y) !== 0);
+        if (within && begin < 0) begin = i;
+        if (within || begin < 0) continue;
+        out.push([c.x + begin * c.side, y, c.x + i * c.side, y]);
+        begin = -1;
+      }
+    }
+    return out;
+  }
+
+  // Of areas that were marked: what is there, and what of it has each trouble, on the surface [m²].
+  sizeOf(areas: number[][]): { all: number; lost: Map<number, number> } {
+    const c = this.cells, lost = new Map<number, number>();
+    let all = 0;
+    for (const [from, y, to] of this.rows(areas))
+      for (let x = from + c.side / 2; x < to; x += c.side) {
+        const at = (dx: number, dy: number): number => this.height(x + dx, y + dy) ?? NaN;
+        const u = at(c.side, 0) - at(-c.side, 0), v = at(0, c.side) - at(0, -c.side);
+        const size = c.side * Math.hypot(c.side, (u || 0) / 2, (v || 0) / 2), trouble = this.trouble(x, y);
+        all += size;
+        if (trouble !== 0) lost.set(trouble, (lost.get(trouble) ?? 0) + size);
+      }
+    return { all, lost };
+  }
+
   // The highest known point, for what lies off the surface.
   top(): number {
     return this.cells.heights.reduce<number>((a, b) => (b !== null && b > a ? b : a), 0);
   }
+}
+
+// How often an outline goes round a point, counter-clockwise.
+export function turnsRound(outline: number[], x: number, y: number): number {
+  let turns = 0;
+  for (let k = 0, n = outline.length; k < n; k += 2) {
+    const ax = outline[k], ay = outline[k + 1], bx = outline[(k + 2) % n], by = outline[(k + 3) % n];
+    if (ay <= y === by <= y) continue;
+    const left = (bx - ax) * (y - ay) - (x - ax) * (by - ay);
+    if (by > ay ? left > 0 : left < 0) turns += by > ay ? 1 : -1;
+  }
+  return turns;
 }
 
 // x and y by turns, about the drawing's middle [m].
@@ -88,13 +134,13 @@ export function spaced(line: number[], step: number): number[] {
   return out;
 }
 
-// Places that can be gone back to. What is dragged or typed in one go is one of them.
-export class History {
-  private past: Place[] = [];
-  private future: Place[] = [];
-  constructor(public now: Place) {}
+// States that can be gone back to. What is dragged or typed in one go is one of them.
+export class History<T> {
+  private past: T[] = [];
+  private future: T[] = [];
+  constructor(public now: T) {}
 
-  move(to: Place, goesOn = false): void {
+  move(to: T, goesOn = false): void {
     if (!goesOn) {
       this.past.push(this.now);
       this.future = [];

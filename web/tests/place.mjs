@@ -19,7 +19,7 @@ const { chromium } = createRequire(join(web, "package.json"))("playwright-core")
 const executablePath = process.env.CHROMIUM ?? execFileSync("sh", ["-c", "command -v chromium"]).toString().trim();
 const shots = join(web, "shots");
 const scratch = mkdtempSync(join(tmpdir(), "impedraw-place-"));
-const saved = join(scratch, "placed.yaml");
+const saved = join(scratch, "placed.yaml"), region = join(scratch, "placed.svg");
 mkdirSync(shots, { recursive: true });
 let run, address;
 
@@ -61,6 +61,8 @@ test("strangers are refused", async () => {
 test("questions that mean nothing are answered in one line", async () => {
   for (const [name, body, words] of [["check", "no JSON", /JSON object/], ["check", "{}", /'x' must be a number/],
     ["check", '{"x": 1e9, "y": 0, "turn": 0, "size": 1}', /'x'/], ["check", '{"x": 0, "y": 0, "turn": 0, "size": 0}', /'size'/],
+    ["save", '{"areas": [[0.6, 0, 0.6]]}', /x and y by turns/], ["save", '{"areas": [[0.6, 0, 0.6, 9]]}', /x and y by turns/],
+    ["save", '{"areas": []}', /no area is marked/], ["save", '{"areas": [[0.6, 0, 0.7, 0]]}', /has 2 points/],
     ["dance", "{}", /valid are check, plan, save, end/]]) {
     const answer = await ask(`/${name}`, { body });
     assert.equal(answer.status, 400);
@@ -139,6 +141,53 @@ test("what was saved is drawn there", () => {
   const plan = spawnSync(program, ["plan", saved, "--json", "--out", join(scratch, "plan")], { encoding: "utf8" });
   assert.equal(plan.status, 0, plan.stderr);
   assert.match(readFileSync(saved, "utf8"), /rotate: 5/);
+});
+
+test("in a browser an area is marked, undone and saved", async () => {
+  rmSync(saved);
+  const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+  try {
+    const page = await browser.newPage({ viewport: { width: 1100, height: 720 } });
+    const errors = [];
+    page.on("pageerror", (error) => errors.push(error.stack));
+    await page.goto(address.href);
+    await page.getByRole("button", { name: "Mark an area" }).click();
+    const [x, y] = await page.evaluate(() => window.impedraw.screen());
+    const round = async (radius, turn) => {
+      await page.mouse.move(x + radius, y);
+      await page.mouse.down();
+      for (let k = 1; k < 24; ++k) await page.mouse.move(x + radius * Math.cos((turn * k) / 24), y - 0.8 * radius * Math.sin((turn * k) / 24), { steps: 4 });
+      await page.mouse.up();
+    };
+    const size = async () => Number(/of ([\d.]+) cm²/.exec(await page.locator(".side").innerText())?.[1] ?? 0);
+    await round(90, 2 * Math.PI);
+    const one = await size();
+    assert.ok(one > 20, `${one} cm²`);
+    await round(140, Math.PI);
+    assert.ok((await size()) > 1.2 * one);
+    await page.screenshot({ path: join(shots, "place-area.png") });
+    await page.getByRole("button", { name: "Undo" }).click();
+    assert.equal(await size(), one);
+    await page.getByRole("button", { name: "Save" }).click();
+    await page.waitForFunction(() => document.querySelector(".said")?.textContent?.includes("impedraw cover"), null, { timeout: 20_000 });
+    await page.keyboard.press("Escape");
+    await page.waitForFunction(() => document.querySelector(".share")?.textContent === "100.0 %", null, { timeout: 60_000 });
+    assert.deepEqual(errors, []);
+    // Its middle is the drawing's, about which it was marked.
+    const { given } = (await ask("/data")).json();
+    const centre = /centre: \[([^,]+), ([^\]]+)\]/.exec(readFileSync(saved, "utf8")).slice(1).map(Number);
+    const half = /viewBox="0 0 (\S+) (\S+)"/.exec(readFileSync(region, "utf8")).slice(1).map((mm) => Number(mm) / 2e3);
+    assert.ok(Math.hypot(centre[0] - half[1] - given.x, centre[1] - half[0] - given.y) < 5e-3);
+  } finally {
+    await browser.close();
+  }
+});
+
+test("what was marked is covered", { timeout: 300_000 }, () => {
+  const cover = spawnSync(program, ["cover", saved, "--out", join(scratch, "cover")], { encoding: "utf8" });
+  assert.equal(cover.status, 0, cover.stderr);
+  const { treated_share, promised_share } = JSON.parse(readFileSync(join(scratch, "cover/cover.json"), "utf8")).metrics;
+  assert.ok(treated_share > 0.99 && promised_share > 0.9, cover.stdout);
 });
 
 test("the command ends when asked", async () => {

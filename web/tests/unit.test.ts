@@ -6,7 +6,7 @@ import { linkFrames, rotation } from "../src/kinematics";
 import { hashOf, momentOf } from "../src/link";
 import { LiveRun } from "../src/live";
 import type { Run } from "../src/data";
-import { History, placed, spaced, Surface } from "../src/placing";
+import { History, placed, spaced, Surface, turnsRound } from "../src/placing";
 import { Pyramid } from "../src/pyramid";
 import { straightTo } from "../src/thin";
 import { differenceText, holds } from "../src/tables";
@@ -183,6 +183,26 @@ test("a placed stroke is scaled, turned and moved, in this order, and spaced wit
   const fine = spaced([0, 0, 0.25, 0, 0.25, 0.1], 0.1);
   assert.equal(fine.length, 2 * 5);
   assert.deepEqual(fine.slice(6), [0.25, 0, 0.25, 0.1]);
+});
+
+test("areas that are marked have the surface's size, also where they overlap or cross themselves", () => {
+  const n = 100, side = 0.001, slope = 0.75;
+  const heights = Array.from({ length: n * n }, (_, k) => slope * side * (k % n));
+  const surface = new Surface({ columns: n, rows: n, side, x: 0, y: 0, heights, troubles: heights.map((_, k) => (k % n < 20 ? 2 : 0)), words: [] },
+    [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]);
+  const square = (x: number, y: number, size: number) => [x, y, x + size, y, x + size, y + size, x, y + size];
+  const { all, lost } = surface.sizeOf([square(0.01, 0.01, 0.04), square(0.03, 0.03, 0.04)]);
+  const steep = Math.hypot(1, slope);
+  assert.ok(Math.abs(all - steep * (2 * 0.04 * 0.04 - 0.02 * 0.02)) < 1e-9);
+  assert.ok(Math.abs(lost.get(2)! - steep * 0.01 * 0.04) < 1e-9);
+  // The edge of the cells has no middle to be linear between.
+  assert.deepEqual(surface.rows([square(-1, -1, 3)]).length, n);
+  assert.deepEqual(surface.sizeOf([]).all, 0);
+  // An outline that goes on beyond its beginning goes round its middle twice.
+  const twice = Array.from({ length: 36 }, (_, k) => [Math.cos(k / 3), Math.sin(k / 3)]).flat();
+  assert.equal(Math.abs(turnsRound(twice, 0.1, 0.1)), 2);
+  assert.equal(turnsRound(twice, 1.1, 0.1), 0);
+  assert.deepEqual([turnsRound(square(0, 0, 1), 0.5, 0.5), turnsRound([0, 0, 0, 1, 1, 1, 1, 0], 0.5, 0.5)], [1, -1]);
 });
 
 test("what is dragged in one go is one step back", () => {
