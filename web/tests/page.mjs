@@ -308,7 +308,7 @@ test("the page shows what the log says", { timeout: 600_000 }, async (t) => {
     // A plot is made when it comes into sight, and as high as its place: nothing moves under the mouse.
     const heights = () => page.evaluate(() => [...document.querySelectorAll("section.panel")].map((e) => e.offsetHeight));
     const before = await heights();
-    for (const panel of await page.locator("section.panel").all()) {
+    for (const panel of await page.locator("section.panel:has(.plot)").all()) {
       await panel.scrollIntoViewIfNeeded();
       await panel.locator(".u-over").waitFor();
     }
