@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -269,8 +270,12 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
                                  const std::function<void(double)>& progress) {
   std::optional<PlacedCanvas> near;
   std::exception_ptr why;
+  double from = 0.0, to = 0.5;  // of the progress
+  const auto tell = [&](double share) {
+    if (progress) progress(from + share * (to - from));
+  };
   try {
-    near = place_about(scenario, places, progress);
+    near = place_about(scenario, places, tell);
     if (near->passes) return *near;
   } catch (const InputError&) {
     why = std::current_exception();
@@ -278,12 +283,14 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
   const bool given_start = scenario.arm.start_p_WE != ArmSettings().start_p_WE;
   for (const double by : kFarther) {
     if (given_start) break;
+    from = to;
+    to += 0.5 / static_cast<double>(std::size(kFarther));
     Scenario far = moved(scenario, (by - 1.0) * scenario.drawing.placement.centre_m, 0.0);
     far.arm.start_p_WE *= by;
     if (far.fence.low == FenceSettings().low) far.fence.low *= by;
     if (far.fence.high == FenceSettings().high) far.fence.high *= by;
     try {
-      const PlacedCanvas found = place_about(far, places, progress);
+      const PlacedCanvas found = place_about(far, places, tell);
       if (found.passes) return found;
     } catch (const InputError&) {  // what is wrong is told of the usual place
     }

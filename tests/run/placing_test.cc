@@ -84,7 +84,8 @@ TEST(Placing, ALargeArmDrawsFartherAway) {
     urdf.append(end, (*it)[0].first);
     urdf += (*it)[1].str() + "=\"";
     std::stringstream numbers((*it)[2].str());
-    for (double x = 0.0; numbers >> x;) urdf += std::to_string(2.5 * x) + " ";
+    const char* before = "";
+    for (double x = 0.0; numbers >> x; before = " ") urdf += before + std::to_string(2.5 * x);
     urdf += "\"";
     end = (*it)[0].second;
   }
