@@ -150,7 +150,9 @@ void add_placing(CLI::App* command, Call& call) {
 
 void add_place(CLI::App& app, Call& call) {
   CLI::App* command = app.add_subcommand(
-      "place", "put the drawing on the object by hand, on a page that tells what can be drawn");
+      "place",
+      "put the drawing on the object by hand, or mark an area for cover, on a page that tells what "
+      "can be drawn");
   add_scenario_options(command, &call.options);
   command->remove_option(command->get_option("scenario"));
   command->remove_option(command->get_option("--out"));
@@ -166,6 +168,7 @@ void add_place(CLI::App& app, Call& call) {
       "  ./impedraw place --text Hello --set perception.source=capture --set "
       "perception.capture=FOLDER\n"
       "  ./impedraw draw placed.yaml\n"
+      "  ./impedraw cover placed.yaml          # where an area was marked\n"
       "With --headless, questions are asked by POST: docs/place.md.");
   command->callback([&call] { call.code = place_by_hand(call.options, call.by_hand); });
 }
