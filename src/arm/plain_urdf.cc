@@ -22,7 +22,9 @@ namespace fs = std::filesystem;
 
 constexpr double kBodyRadius = 0.06;         // in place of a mesh [m]
 constexpr double kMass = 1.0, kBall = 0.05;  // of a link without [kg], [m]
-constexpr double kRounding = 1e-3;           // of the largest moment: digits that a file left out
+// Less than these, a plane body's inertia and a tiny one fail in MuJoCo by its rounding.
+constexpr double kSlack = 1e-9, kLeastMoment = 1e-12;  // of the largest moment; [kg m²]
+constexpr double kRounding = 1e-3;  // of the largest moment: digits that a file left out
 const char* const kMoments[3][3] = {
     {"ixx", "ixy", "ixz"}, {"ixy", "iyy", "iyz"}, {"ixz", "iyz", "izz"}};
 
@@ -233,8 +235,14 @@ class Plain {
     const Vector3d given = principal.eigenvalues();
     Vector3d moments = given.cwiseMax(0.0);
     const double lacks = moments[2] - moments[0] - moments[1];
-    if (lacks <= 0.0 && given[0] >= 0.0) return;
-    moments.head(2).array() += 0.5 * (1.0 + 1e-6) * std::max(0.0, lacks);
+    const auto lacks_with_slack = [&] {
+      return (1.0 + kSlack) * moments[2] - moments[0] - moments[1];
+    };
+    if (given[0] >= 0.0 &&
+        (given[2] == 0.0 || (given[0] >= kLeastMoment && lacks_with_slack() <= 0)))
+      return;
+    moments = moments.cwiseMax(kLeastMoment);
+    moments.head(2).array() += 0.5 * std::max(0.0, lacks_with_slack());
     if (std::max(lacks, -given[0]) > kRounding * moments[2])
       fault(fmt::format("link '{}': <inertia ixx=\"{:.6g}\" iyy=\"{:.6g}\" izz=\"{:.6g}\" "
                         "ixy=\"{:.6g}\" ixz=\"{:.6g}\" iyz=\"{:.6g}\"> breaks the triangle rule, "

@@ -189,6 +189,22 @@ TEST_F(VendorUrdf, InertiaThatCannotBeIsNamedInTheFilesWords) {
   EXPECT_THAT(refused(arm.text()), HasSubstr("link 'l1': <mass value=\"-2\">; valid is 0 kg"));
 }
 
+// Kinova's MOVO has a flat link, whose moments of 1 and 9 make the third, and Valkyrie a frame of
+// 1e-22 kg m²: MuJoCo's rounding takes them for impossible.
+TEST_F(VendorUrdf, InertiaOfAFlatOrTinyBodyIsPossible) {
+  for (const std::string inertia :
+       {"ixx='0.000009' ixy='-0.000001' ixz='0' iyy='0.000001' iyz='0' izz='0.000010'",
+        "ixx='3e-22' ixy='0' ixz='0' iyy='3e-22' iyz='0' izz='5e-22'",
+        "ixx='0.001' ixy='0' ixz='0' iyy='0.001' iyz='0' izz='0'",
+        "ixx='0.21138718794883493' ixy='0.0035281396999986767' ixz='-0.00011216841643736652' "
+        "iyy='0.00032280319352499809' iyz='0.0072182170137206399' izz='0.21120174739479408'"}) {
+    const std::string held = "<inertial><mass value='0.02'/><inertia " + inertia + "/></inertial>";
+    const PlainUrdf plain =
+        made(Vendor{.end = kTip + fixed("l3", "frame", "xyz='0 0 0'", held)}.text());
+    expect_same_arm(write("made.urdf", plain.text), 5);
+  }
+}
+
 TEST_F(VendorUrdf, AJointThatMovesNoMassIsNamed) {
   Vendor arm{.end = kTip};
   arm.inertial = "";
