@@ -101,9 +101,9 @@ int judge_force(DrawOptions options, const JudgeForceOptions& judged);
 //   check   what of it can be drawn, quickly:
 //           {"share", "length_mm", "time_s", "width_mm", "height_mm", "lost_mm": {trouble: mm}}
 //   plan    the same share, by the whole pre-flight, which takes seconds: {"share"}
-//   save    writes the scenario: {"file"}; "overwrite": true replaces a file that is there. In place
-//           of a placement, "areas" [[x, y, x, y, …], …] are outlines in the drawing plane [m] of
-//           what `cover` is to treat
+//   save    writes the scenario: {"file"}; "overwrite": true replaces a file that is there. In
+//           place of a placement, "areas" [[x, y, x, y, …], …] are outlines in the drawing plane
+//           [m] of what `cover` is to treat
 //   end     ends the command
 
 struct PlaceOptions {
