@@ -234,15 +234,13 @@ class Plain {
     const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(I);
     const Vector3d given = principal.eigenvalues();
     Vector3d moments = given.cwiseMax(0.0);
-    const double lacks = moments[2] - moments[0] - moments[1];
-    const auto lacks_with_slack = [&] {
-      return (1.0 + kSlack) * moments[2] - moments[0] - moments[1];
+    const auto lacking = [&moments](double slack) {
+      return (1.0 + slack) * moments[2] - moments[0] - moments[1];
     };
-    if (given[0] >= 0.0 &&
-        (given[2] == 0.0 || (given[0] >= kLeastMoment && lacks_with_slack() <= 0)))
-      return;
+    const double lacks = lacking(0.0);
+    if (given.isZero(0.0) || (given[0] >= kLeastMoment && lacking(kSlack) <= 0.0)) return;
     moments = moments.cwiseMax(kLeastMoment);
-    moments.head(2).array() += 0.5 * std::max(0.0, lacks_with_slack());
+    moments.head(2).array() += 0.5 * std::max(0.0, lacking(kSlack));
     if (std::max(lacks, -given[0]) > kRounding * moments[2])
       fault(fmt::format("link '{}': <inertia ixx=\"{:.6g}\" iyy=\"{:.6g}\" izz=\"{:.6g}\" "
                         "ixy=\"{:.6g}\" ixz=\"{:.6g}\" iyz=\"{:.6g}\"> breaks the triangle rule, "

@@ -10,6 +10,12 @@ namespace {
 
 constexpr double kNoSelfMotion = 1e-12;  // of six joints: zᵀ M z [kg m²/s⁴]
 
+// (I − Jᵀ J̄ᵀ) τ
+JointVector projected(const ArmTerms& arm, const OperationalSpace& space,
+                      const JointVector& tau) noexcept {
+  return tau - arm.J.transpose().lazyProduct(space.project_to_tip(tau));
+}
+
 }  // namespace
 
 NullSpace::NullSpace(const ImpedanceSettings& s)
@@ -22,8 +28,7 @@ NullSpace::NullSpace(const ImpedanceSettings& s)
 
 JointVector NullSpace::torque(const ArmTerms& arm, const OperationalSpace& space,
                               const JointRange& range) noexcept {
-  const JointVector tau = unprojected(arm, space, range);
-  return tau - arm.J.transpose().lazyProduct(space.project_to_tip(tau));
+  return projected(arm, space, unprojected(arm, space, range));
 }
 
 JointVector NullSpace::unprojected(const ArmTerms& arm, const OperationalSpace& space,
@@ -43,8 +48,7 @@ JointVector NullSpace::unprojected(const ArmTerms& arm, const OperationalSpace& 
     const double own = rate(arm.v - space.joint_speed(arm.V_WE));
     if (own > 0.0) damping = std::clamp(bearable_rate(damping_delay_) / own, 1.0, damping);
   }
-  const JointVector z =
-      space.acceleration(pull - arm.J.transpose().lazyProduct(space.project_to_tip(pull)));
+  const JointVector z = space.acceleration(projected(arm, space, pull));
   if (z.dot(arm.M * z) > kNoSelfMotion) {
     const double most = 1.0 / damping_delay_;
     damping = std::min(damping, most / rate(z));

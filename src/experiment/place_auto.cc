@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -86,7 +85,6 @@ class Search {
         arm_(e.belief.arm),
         terms_(e.belief.arm.joints()),
         centre_(e.scenario.drawing.placement.centre_m),
-        scale_(std::max(1.0, e.scenario.arm.start_p_WE.x() / ArmSettings().start_p_WE.x())),
         coarse_(points_of(e, kCoarse)),
         fine_(points_of(e, kFine)) {
     if (fine_.empty()) throw InputError("--place auto: no part of the drawing lies on the canvas");
@@ -134,11 +132,13 @@ class Search {
   std::vector<Candidate> grid(const std::function<void(double)>& progress) {
     std::vector<Candidate> best;
     constexpr int kAlong = 10, kAcross = 9, kTurns = 4;
+    const double scale =
+        std::max(1.0, e_.scenario.arm.start_p_WE.x() / ArmSettings().start_p_WE.x());
     for (int i = 0; i < kAlong; ++i) {
       if (progress) progress(0.6 * i / kAlong);
       for (int j = 0; j < kAcross; ++j) {
         for (int k = 0; k < kTurns; ++k) {
-          Candidate c{scale_ * Vector2d(0.30 + 0.05 * i, -0.4 + 0.1 * j) - centre_, 90.0 * k};
+          Candidate c{scale * Vector2d(0.30 + 0.05 * i, -0.4 + 0.1 * j) - centre_, 90.0 * k};
           const double least = best.size() < kCandidates ? -std::numeric_limits<double>::infinity()
                                                          : best.back().margin;
           c.margin = margin(c, false, least);
@@ -183,7 +183,6 @@ class Search {
   ArmModel arm_;
   ArmTerms terms_;
   Vector2d centre_;
-  double scale_;  // of the places that are tried
   std::vector<Point> coarse_, fine_;
 };
 
@@ -219,11 +218,6 @@ namespace {
 // About the place where the canvas is.
 PlacedCanvas place_about(const Scenario& scenario, const Places& places,
                          const std::function<void(double)>& progress) {
-  if (!scenario.drawing.tilt_deg.isZero())
-    throw InputError("--place auto needs a level drawing plane: drawing.tilt must be [0, 0, 0]");
-  if (!scenario.canvas.motion.file.empty())
-    throw InputError(
-        "--place auto cannot move a recorded motion: canvas.motion.file must be empty");
   PreparedPlan e = prepare_plan(scenario, places, Unreachable::tell);
   // The place of a mesh that nobody has placed.
   Scenario given = scenario;
@@ -264,39 +258,49 @@ PlacedCanvas place_about(const Scenario& scenario, const Places& places,
   return best;
 }
 
-}  // namespace
-
-PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
-                                 const std::function<void(double)>& progress) {
-  std::optional<PlacedCanvas> near;
-  std::exception_ptr why;
-  double from = 0.0, to = 0.5;  // of the progress
-  const auto tell = [&](double share) {
-    if (progress) progress(from + share * (to - from));
-  };
-  try {
-    near = place_about(scenario, places, tell);
-    if (near->passes) return *near;
-  } catch (const InputError&) {
-    why = std::current_exception();
-  }
-  const bool given_start = scenario.arm.start_p_WE != ArmSettings().start_p_WE;
-  for (const double by : kFarther) {
-    if (given_start) break;
-    from = to;
-    to += 0.5 / static_cast<double>(std::size(kFarther));
+// Where the arm is too large for the usual place: the first distance at which the drawing passes.
+std::optional<PlacedCanvas> place_farther(const Scenario& scenario, const Places& places,
+                                          const std::function<void(double)>& progress) {
+  if (scenario.arm.start_p_WE != ArmSettings().start_p_WE) return {};  // a start that was asked for
+  for (std::size_t i = 0; i < std::size(kFarther); ++i) {
+    const double by = kFarther[i];
     Scenario far = moved(scenario, (by - 1.0) * scenario.drawing.placement.centre_m, 0.0);
     far.arm.start_p_WE *= by;
     if (far.fence.low == FenceSettings().low) far.fence.low *= by;
     if (far.fence.high == FenceSettings().high) far.fence.high *= by;
+    const auto tell = [&](double share) {
+      progress((static_cast<double>(i) + share) / static_cast<double>(std::size(kFarther)));
+    };
     try {
       const PlacedCanvas found = place_about(far, places, tell);
       if (found.passes) return found;
     } catch (const InputError&) {  // what is wrong is told of the usual place
     }
   }
-  if (why) std::rethrow_exception(why);
-  return *near;
+  return {};
+}
+
+}  // namespace
+
+PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
+                                 const std::function<void(double)>& progress) {
+  if (!scenario.drawing.tilt_deg.isZero())
+    throw InputError("--place auto needs a level drawing plane: drawing.tilt must be [0, 0, 0]");
+  if (!scenario.canvas.motion.file.empty())
+    throw InputError(
+        "--place auto cannot move a recorded motion: canvas.motion.file must be empty");
+  const auto half = [&](double from) {
+    return [&progress, from](double share) {
+      if (progress) progress(from + 0.5 * share);
+    };
+  };
+  try {
+    const PlacedCanvas near = place_about(scenario, places, half(0.0));
+    return near.passes ? near : place_farther(scenario, places, half(0.5)).value_or(near);
+  } catch (const InputError&) {
+    if (const auto far = place_farther(scenario, places, half(0.5))) return *far;
+    throw;
+  }
 }
 
 }  // namespace impedraw

@@ -10,7 +10,7 @@
 // posture from the previous one. A point out of reach counts as minus the remaining error [m]. A
 // grid search over (x, y, turn) is followed by a pattern search from its best poses. The best pose
 // that passes the whole pre-flight is chosen. Where none does, canvas and default arm.start are
-// tried farther from the base, up to 4.5 times: for a large arm.
+// tried farther from the base, up to 4.5 times, with the default fence: for a large arm.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@
 namespace impedraw {
 
 struct PlacedCanvas {
-  // Canvas, drawing, cameras, region and arm.start are moved; the rest is as given.
+  // Canvas, drawing, cameras, region, arm.start and fence are moved; the rest is as given.
   Scenario scenario;
   double turn_deg = 0.0;  // about the drawing's centre
   double margin = 0.0, margin_before = 0.0;

@@ -409,7 +409,6 @@ TEST_F(VendorUrdf, AFixedJointMimicsNothing) {
   EXPECT_EQ(ArmModel(write("arm.urdf", urdf)).joints(), 6);
 }
 
-// As the SO-100: five joints and a jaw.
 // MuJoCo refuses them; an ABB IRB 4600 has two materials in a visual.
 TEST_F(VendorUrdf, OfElementsThatStandTwiceTheFirstCounts) {
   std::string urdf = Vendor{.end = kTip}.text();
@@ -429,6 +428,7 @@ TEST_F(VendorUrdf, OfElementsThatStandTwiceTheFirstCounts) {
   expect_same_arm(write("made.urdf", plain.text), 3);
 }
 
+// As the SO-100: five joints and a jaw.
 TEST_F(VendorUrdf, AJawIsNoJointOfAnArm) {
   std::string urdf = Vendor{}.text();
   for (std::size_t at; (at = urdf.find("'l6'")) != std::string::npos;) urdf.replace(at, 4, "'jaw'");

@@ -175,7 +175,7 @@ TEST(NullSpace, PullsCalmsAndKeepsOffTheEndsWithoutMovingTheTip) {
   }
 }
 
-// A hundredth of the inertia along the arm's own motion, or less.
+// All inertias of an arm down to the hundred-thousandth of the usual ones.
 TEST(NullSpace, ALightArmIsPulledAndDampedAsTheSampledLoopBears) {
   ImpedanceSettings s = with_ranges(3.0, 0.6);
   s.null_space.q_0 = Eigen::VectorXd::Constant(7, 0.4);

@@ -181,7 +181,7 @@ class Page {
     if (this.marking) {
       const rows = this.surface.rows(this.areas.now);
       this.lay([...this.areas.now.map((area) => [...area, area[0], area[1]]), ...rows], this.data.cells.side / 2);
-      this.tellAreas();
+      this.tellAreas(rows);
     } else {
       this.lay(this.data.strokes.map((stroke) => placed(stroke, this.history.now)), this.step);
       void this.check();
@@ -249,8 +249,8 @@ class Page {
       `can be drawn · ${numberText(found.width_mm, 3)} × ${numberText(found.height_mm, 3)} mm · about ${minutes(found.time_s)}`);
   }
 
-  private tellAreas(): void {
-    const { all, lost } = this.surface.sizeOf(this.areas.now);
+  private tellAreas(rows: number[][]): void {
+    const { all, lost } = this.surface.sizeOf(rows);
     const cm2 = new Map([...lost].map(([trouble, size]) => [trouble, 1e4 * size]));
     const share = all > 0 ? 1 - [...lost.values()].reduce((a, b) => a + b, 0) / all : 0;
     this.tellShare(share, cm2, "cm²", all > 0 ? `of ${numberText(1e4 * all, 3)} cm² can be treated, less the pad's margin at edges` : "nothing is marked");

@@ -68,10 +68,11 @@ export class Surface {
     const c = this.cells, out: number[][] = [];
     for (let j = 0; j < c.rows; ++j) {
       const y = c.y + (j + 0.5) * c.side;
+      const crossed = areas.map((area) => crossings(area, y));
       let begin = -1;
       for (let i = 0; i <= c.columns; ++i) {
         const x = c.x + (i + 0.5) * c.side;
-        const within = i < c.columns && areas.some((area) => turnsRound(area, x, y) !== 0);
+        const within = i < c.columns && crossed.some((edges) => turnsAt(edges, x) !== 0);
         if (within && begin < 0) begin = i;
         if (within || begin < 0) continue;
         out.push([c.x + begin * c.side, y, c.x + i * c.side, y]);
@@ -81,11 +82,11 @@ export class Surface {
     return out;
   }
 
-  // Of areas that were marked: what is there, and what of it has each trouble, on the surface [m²].
-  sizeOf(areas: number[][]): { all: number; lost: Map<number, number> } {
+  // Of rows of cells: what is there, and what of it has each trouble, on the surface [m²].
+  sizeOf(rows: number[][]): { all: number; lost: Map<number, number> } {
     const c = this.cells, lost = new Map<number, number>();
     let all = 0;
-    for (const [from, y, to] of this.rows(areas))
+    for (const [from, y, to] of rows)
       for (let x = from + c.side / 2; x < to; x += c.side) {
         const at = (dx: number, dy: number): number => this.height(x + dx, y + dy) ?? NaN;
         const u = at(c.side, 0) - at(-c.side, 0), v = at(0, c.side) - at(0, -c.side);
@@ -102,17 +103,20 @@ export class Surface {
   }
 }
 
-// How often an outline goes round a point, counter-clockwise.
-export function turnsRound(outline: number[], x: number, y: number): number {
-  let turns = 0;
+// Where an outline crosses the line at y: x, and 1 upwards or −1 downwards.
+function crossings(outline: number[], y: number): [number, number][] {
+  const out: [number, number][] = [];
   for (let k = 0, n = outline.length; k < n; k += 2) {
     const ax = outline[k], ay = outline[k + 1], bx = outline[(k + 2) % n], by = outline[(k + 3) % n];
-    if (ay <= y === by <= y) continue;
-    const left = (bx - ax) * (y - ay) - (x - ax) * (by - ay);
-    if (by > ay ? left > 0 : left < 0) turns += by > ay ? 1 : -1;
+    if (ay <= y !== by <= y) out.push([ax + ((bx - ax) * (y - ay)) / (by - ay), by > ay ? 1 : -1]);
   }
-  return turns;
+  return out;
 }
+
+const turnsAt = (edges: [number, number][], x: number): number => edges.reduce((turns, [at, way]) => (at > x ? turns + way : turns), 0);
+
+// How often an outline goes round a point, counter-clockwise.
+export const turnsRound = (outline: number[], x: number, y: number): number => turnsAt(crossings(outline, y), x);
 
 // x and y by turns, about the drawing's middle [m].
 export function placed(stroke: number[], place: Place): number[] {

@@ -191,13 +191,13 @@ test("areas that are marked have the surface's size, also where they overlap or 
   const surface = new Surface({ columns: n, rows: n, side, x: 0, y: 0, heights, troubles: heights.map((_, k) => (k % n < 20 ? 2 : 0)), words: [] },
     [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]);
   const square = (x: number, y: number, size: number) => [x, y, x + size, y, x + size, y + size, x, y + size];
-  const { all, lost } = surface.sizeOf([square(0.01, 0.01, 0.04), square(0.03, 0.03, 0.04)]);
+  const { all, lost } = surface.sizeOf(surface.rows([square(0.01, 0.01, 0.04), square(0.03, 0.03, 0.04)]));
   const steep = Math.hypot(1, slope);
   assert.ok(Math.abs(all - steep * (2 * 0.04 * 0.04 - 0.02 * 0.02)) < 1e-9);
   assert.ok(Math.abs(lost.get(2)! - steep * 0.01 * 0.04) < 1e-9);
   // The edge of the cells has no middle to be linear between.
   assert.deepEqual(surface.rows([square(-1, -1, 3)]).length, n);
-  assert.deepEqual(surface.sizeOf([]).all, 0);
+  assert.deepEqual(surface.sizeOf(surface.rows([])).all, 0);
   // An outline that goes on beyond its beginning goes round its middle twice.
   const twice = Array.from({ length: 36 }, (_, k) => [Math.cos(k / 3), Math.sin(k / 3)]).flat();
   assert.equal(Math.abs(turnsRound(twice, 0.1, 0.1)), 2);
