@@ -21,8 +21,8 @@ using Triangle = std::array<Eigen::Vector3d, 3>;
 // principal axis where that leaves less than 0.8 of the volume.
 std::vector<Capsule> enclosing_capsules(const std::vector<Triangle>& triangles, int cuts = 2);
 
-// Of an STL, Collada, OBJ or PLY file, in its axes; a Collada file's unit is applied. Throws
-// InputError.
+// The triangles of an STL, Collada, OBJ or PLY file, in its axes; a Collada file's unit is applied.
+// Throws InputError.
 std::vector<Triangle> read_triangles(const std::filesystem::path& file);
 
 }  // namespace impedraw

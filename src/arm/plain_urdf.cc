@@ -106,7 +106,7 @@ class Plain {
     notes.push_back(fmt::format("{}: {}", what, filled));
   }
 
-  // Of an element that stands twice where URDF has one, the first counts, as urdfdom has it.
+  // An element may stand twice where URDF has one: the first counts, as urdfdom has it.
   void keep_first(UrdfElement* e, const std::string& what) {
     for (auto* one = e->FirstChildElement(); one; one = one->NextSiblingElement())
       while (auto* other = one->NextSiblingElement(one->Name())) {
@@ -385,7 +385,8 @@ Mount find_mount(const UrdfTree& tree, const std::string& flange, std::vector<st
                                flange, listed(candidates)));
 }
 
-// Where along the pen the bodies end that the last joint carries, but for those that carry F.
+// The distance along the pen at which the bodies end that the last joint carries, but for those
+// that carry F.
 double end_of_bodies(const UrdfTree& tree, const Mount& mount) {
   const UrdfElements way = tree.way_to(mount.flange);
   double reach = 0.0;

@@ -42,7 +42,7 @@ void fix_link(UrdfTree* tree, const std::string& to, const Eigen::Isometry3d& X,
 urdf::ModelInterfaceSharedPtr parsed_urdf(const std::string& text,
                                           const std::filesystem::path& file);
 
-// Where a pen can go: the links fixed to the arm's last joint, each with its pose in the link R
+// A place for a pen: the links fixed to the arm's last joint, each with its pose in the link R
 // that this joint moves. The last joint is the sixth or a later one, beyond which nothing moves but
 // a gripper: several joints side by side, mimic or prismatic ones, or one that is named
 // finger, jaw or gripper. A finger or a jaw is no joint of an arm.

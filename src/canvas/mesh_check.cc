@@ -82,9 +82,9 @@ struct Mending {
     report("degenerate_triangle", faulty, true, "without area, left out or passed over");
   }
 
-  // Of triangles on the same vertices the first of those that are more stays: two that are wound
-  // against each other cancel. None stays where they are a fold of a surface, which closes
-  // without them.
+  // One of several triangles on the same vertices stays: the first of the winding that more of them
+  // have, for two that are wound against each other cancel. None stays where they are a fold of a
+  // surface, which closes without them.
   void duplicate() {
     const int n = static_cast<int>(number.size());
     const auto is_even = [](const Vector3i& t) {  // as a permutation of its ascending vertices
@@ -124,8 +124,8 @@ struct Mending {
     report("duplicate_triangle", faulty, true, "on the vertices of another one, left out");
   }
 
-  // Of `cancelled`, those that hang together, are few, and end at a surface that two and two
-  // triangles close: a larger one may be a leaf, meant to be seen from both sides.
+  // A fold is made of `cancelled` triangles that hang together, are few, and end at a surface that
+  // two and two triangles close: a larger one may be a leaf, meant to be seen from both sides.
   void leave_out_folds(const std::vector<int>& cancelled, std::vector<bool>* gone) {
     constexpr int kFew = 8;
     if (cancelled.empty()) return;

@@ -11,7 +11,8 @@
 
 namespace impedraw {
 
-// Where there is no surface, that about it is continued. Of a page that is projected.
+// Distances on the surface for a page that is projected. Where there is no surface, the one about
+// that place is continued.
 SurfaceDistances hatch_distances(const SurfaceHeight& surface, const Placement& placement,
                                  const std::vector<Area>& areas);
 

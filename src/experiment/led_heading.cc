@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// Where a stroke is cut that turns the tool further between two corners than the arm can [m]: with
-// a range below 360° where its heading leaves the range or comes back into it, else where the range
-// is used up.
+// The places at which a stroke is cut that turns the tool further between two corners than the arm
+// can [m]: with a range below 360° where its heading leaves the range or comes back into it, else
+// where the range is used up.
 std::vector<double> turned_too_far(const PlacedStroke& stroke, const ToolHeading& heading,
                                    const Pose& X_WP, double corner_angle) {
   const double range = heading.most - heading.least, middle = 0.5 * (heading.most + heading.least);

@@ -258,7 +258,7 @@ PlacedCanvas place_about(const Scenario& scenario, const Places& places,
   return best;
 }
 
-// Where the arm is too large for the usual place: the first distance at which the drawing passes.
+// The first larger distance at which the drawing passes, for an arm too large for the usual place.
 std::optional<PlacedCanvas> place_farther(const Scenario& scenario, const Places& places,
                                           const std::function<void(double)>& progress) {
   if (scenario.arm.start_p_WE != ArmSettings().start_p_WE) return {};  // a start that was asked for

@@ -26,7 +26,7 @@ struct SurfaceWish {
   bool shrink = false;  // the drawing may get smaller, down to a quarter
 };
 
-// Of a drawing's length: where more of it can be drawn, no better place is looked for.
+// Share of a drawing's length: where more of it can be drawn, no better place is looked for.
 inline constexpr double kNearlyAll = 0.98;
 
 struct SurfacePlace {

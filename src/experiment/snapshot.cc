@@ -204,7 +204,7 @@ SurfaceEstimator estimator_of(const PointCloud& seen, const PerceptionSettings& 
   return SurfaceEstimator(std::move(cloud), p.normals, std::move(finer));
 }
 
-// Where the simulated canvas lies, and which of the arm's bodies stands there.
+// A text that says where the simulated canvas lies, and which of the arm's bodies stands there.
 std::string place_of(const Canvas& canvas, ArmModel& arm, const JointVector& q, double padding) {
   const Eigen::AlignedBox3d box = canvas.bounds();
   std::string where = fmt::format(

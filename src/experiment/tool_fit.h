@@ -1,4 +1,4 @@
-// Whether a tool's face fits the lines and the surface.
+// The fit of a tool's face to the lines and the surface.
 #pragma once
 
 #include "impedraw/experiment/plan.h"

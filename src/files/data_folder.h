@@ -1,5 +1,5 @@
-// Where the program's own data stands: scenarios/, models/, artwork/. The source tree, unless the
-// Python package, which brings a copy, says otherwise.
+// The folder of the program's own data: scenarios/, models/, artwork/. It is the source tree,
+// unless the Python package, which brings a copy, says otherwise.
 #pragma once
 
 #include <filesystem>

@@ -74,8 +74,8 @@ struct ForceCase {
   double path_length = 0.0;         // along x, about the middle [m]
   double path_speed = 0.0;          // [m/s]
   std::optional<CanvasMotionSettings> motion;  // of the workpiece, its start is the programme's
-  // Of workpiece and tip together, from the programme's start to its end, evenly in the logarithm.
-  // The damping keeps its ratio, ∝ √k [N/m].
+  // Stiffness of workpiece and tip together, from the programme's start to its end, evenly in the
+  // logarithm [N/m]. The damping keeps its ratio, ∝ √k.
   std::optional<Eigen::Vector2d> stiffness;
   std::optional<PushSettings> hand;  // on the pen, kHand after the programme's start
 

@@ -12,8 +12,8 @@
 //   work_lost      ∫ max(0, command − force) |v_t| dt, v_t along the surface: what a tool that
 //                  takes work along its way does less than asked [J]
 //
-// Of several changes and windows a run counts the worst. A metric that a case
-// does not ask for is absent; so is a settling time of a force that does not settle.
+// A run with several changes and windows counts the worst. A metric that a case does not ask for is
+// absent; so is a settling time of a force that does not settle.
 //
 // Names after NISTIR 8097 (Falco, Marvel, Norcross, Van Wyk, 2016). Definitions are ours.
 #pragma once

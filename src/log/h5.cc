@@ -99,8 +99,8 @@ herr_t keep_image(void*) { return 0; }
 
 // Opens the first `size` bytes of a file as one of `length`, the rest zeros; < 0 if it cannot.
 hid_t open_lengthened(const std::string& path, int file, std::uint64_t size, std::uint64_t length) {
-  // Of each file that is cut short and open: HDF5 asks for it until it is closed. Like HDF5 itself,
-  // for one thread at a time.
+  // One image for each file that is cut short and open: HDF5 asks for it until it is closed. Like
+  // HDF5 itself, this serves one thread at a time.
   static std::list<Image> images;
   images.remove_if([](const Image& image) { return !image.bytes; });
   void* bytes = mmap(nullptr, length, PROT_READ | PROT_WRITE,

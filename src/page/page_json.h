@@ -83,8 +83,8 @@ nlohmann::json pictures_json(PackedColumns& columns, const std::vector<PagePictu
 // Plots without a point.
 nlohmann::json no_plots(PackedColumns& columns);
 
-// What every page begins with: format, kind, name, title; of the run, attributes, joints, modes,
-// canvas, cloud; of the context, version, commit, command, settings, arm, arm_notice, cameras,
+// The beginning of every page: format, kind, name, title; from the run, attributes, joints, modes,
+// canvas, cloud; from the context, version, commit, command, settings, arm, arm_notice, cameras,
 // drawing_axis, drawing_up, ink_width_mm. `canvas`: what became of its mesh.
 nlohmann::json begun_page(PackedColumns& columns, const char* kind, const std::string& title,
                           const RunDescription& run, const PageContext& context,

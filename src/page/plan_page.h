@@ -35,8 +35,8 @@ struct PageFinding {
   Eigen::VectorXd q{};  // posture at the worst point, or the nearest found; empty: none
 };
 
-// Of the run that is planned: joints, limits and cloud; the canvas as the plan knows it; the names
-// of the path's phases as its modes.
+// The page of a plan. The run that it describes is the planned one: joints, limits and cloud; the
+// canvas as the plan knows it; the names of the path's phases as its modes.
 struct PlanPage : RunDescription {
   std::string title;
   std::string scenario;        // as YAML

@@ -69,7 +69,7 @@ struct CanvasBelief {
 
   bool holds(const Entry& entry, int model, int axis) const noexcept;
   AxisState model_state(const Entry& from, int model, int axis, double time) const noexcept;
-  // Of the models that hold in `from`.
+  // The weights of the models that hold in `from`.
   std::array<double, kModels> weights(const Entry& from, int axis) const noexcept;
   AxisState blend(const Entry& from, int axis, double time) const noexcept;
 };

@@ -2,9 +2,8 @@
 //
 // The normal of a patch of k points within the radius r, off the fitted surface by s, errs by about
 //   e = 4 s / (√k r),   and since r grows with √k, e falls with 1/k.
-// Of the cloud's patches the smoothest quarter tells s / r: what the others have beyond it is
-// shape. The answer is the k that brings e to kCalmNormal, between the given one and
-// kMostNeighbours.
+// The smoothest quarter of the cloud's patches tells s / r: the others have shape beyond it.
+// The answer is the k that brings e to kCalmNormal, between the given one and kMostNeighbours.
 #pragma once
 
 #include "impedraw/perception/normals.h"

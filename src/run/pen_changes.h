@@ -7,8 +7,8 @@
 // spot, with the same axis and force, as the first pen did before it drew. With s = n · p_WE of the
 // model's tip there, of a pen that is believed to be L longer than that of arm.urdf,
 //   L' = L + s − s_1.
-// What the touches share goes out of it: errors of the arm's model, of the seen surface, and what
-// tip and canvas give. The first pen is as it is believed to be; with pen.spot given, the spot is
+// Errors that the touches share cancel: those of the arm's model, of the seen surface, and the give
+// of tip and canvas. The first pen is as it is believed to be; with pen.spot given, the spot is
 // known, and the first pen is checked, too.
 #pragma once
 

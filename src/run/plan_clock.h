@@ -62,7 +62,7 @@ class PlanClock {
 
   double lag() const { return lag_; }    // time by which the plan is late [s]
   double rate() const { return rate_; }  // r
-  // How far the plan goes on while the clock stops [s].
+  // Time by which the plan goes on while the clock stops [s].
   double way() const { return 0.5 * rate_ * rate_ / settings_.slow_down + dt_; }
   // The plan's reference as it is at the clock's rate.
   TipReference scaled(TipReference reference) const noexcept;

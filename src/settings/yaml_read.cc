@@ -68,8 +68,9 @@ std::string one_line(const YAML::Node& node) {
   return "[" + joined(words) + "]";
 }
 
-// Whether `text` is the value of a setting that has become a constant, as files of earlier versions
-// and recorded scenarios may give it; false: there is no such constant. Throws if it is another.
+// Returns true if `text` is the value of a setting that has become a constant, as files of earlier
+// versions and recorded scenarios may give it; false: there is no such constant. Throws if it is
+// another value.
 bool is_constant(const Group& group, const std::string& key, std::string_view text,
                  const std::string& name, const std::string& place) {
   const auto found = std::find_if(group.constants.begin(), group.constants.end(),

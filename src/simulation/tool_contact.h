@@ -25,8 +25,8 @@ class ToolContact {
   bool has_cutter() const noexcept { return cutter_.has_value(); }
   void reset() noexcept;
 
-  // Of the face, whose frame is E, at the start of a step of dt; the canvas is there and moves so.
-  // Moment about E. Nothing touches without a face.
+  // The load on the face, whose frame is E, at the start of a step of dt; the canvas is there and
+  // moves so. Moment about E. Nothing touches without a face.
   const PadLoad& press(const CanvasMotion::State& canvas, const Pose& X_WE, const Vector6& V_WE,
                        double dt) noexcept;
 

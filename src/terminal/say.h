@@ -12,8 +12,8 @@
 
 namespace impedraw {
 
-// How the program was called. Texts name the command as a source tree has it, ./impedraw; what is
-// printed names it as it was called.
+// The name that the program was called by. Texts name the command as a source tree has it,
+// ./impedraw; printed ones name it as it was called.
 
 // "impedraw" where it is installed. Before anything is printed; not thread-safe.
 void set_command(const std::string& command);

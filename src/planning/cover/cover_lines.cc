@@ -14,8 +14,9 @@ namespace {
 using Line = std::vector<Eigen::Vector2d>;
 
 constexpr double kKnots = 3e-3;  // between the points of a line [m]
-// Of a row's end, and of the row beside the border, from the border of the centres, in radii; what
-// a bend takes off a row's end, in spacings; how far rows may be spread: docs/decisions/0045.
+// Distances of a row's end, and of the row beside the border, from the border of the centres, in
+// radii; the length that a bend takes off a row's end, in spacings; the share by which rows may be
+// spread: docs/decisions/0045.
 constexpr double kRowEnd = 0.35, kFirstRow = 0.5, kBendWay = 0.65, kSpread = 0.05;
 
 double length_of(const SurfaceGrid& g, const Line& line) {

@@ -29,8 +29,9 @@ struct CrawlingStretch {
 // Strokes of the path with a window slower than `least_speed`, in order: no other crawls.
 std::vector<std::size_t> slow_strokes(const TipPath& path, double least_speed);
 
-// Of those `strokes` of the path. `unhindered`: a path of these strokes alone, in the same order,
-// without the limits that count. Ordered by stroke, then along it.
+// The stretches of these `strokes` of the path on which the pen crawls, ordered by stroke, then
+// along it. `unhindered`: a path of these strokes alone, in the same order, without the limits
+// that count.
 std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPath& unhindered,
                                                 const std::vector<std::size_t>& strokes,
                                                 double least_speed, double slowed = 2.0);
