@@ -24,7 +24,9 @@ constexpr double kBodyRadius = 0.06;         // in place of a mesh [m]
 constexpr double kMass = 1.0, kBall = 0.05;  // of a link without [kg], [m]
 // Less than these, a plane body's inertia and a tiny one fail in MuJoCo by its rounding.
 constexpr double kSlack = 1e-9, kLeastMoment = 1e-12;  // of the largest moment; [kg m²]
-constexpr double kRounding = 1e-3;  // of the largest moment: digits that a file left out
+constexpr double kRounding = 1e-3;    // of the largest moment: digits that a file left out
+constexpr double kLeastLimit = 0.01;  // of effort and velocity: a way would take hours
+constexpr double kLeastAxis = 1e-6, kMostDynamics = 1e4;
 const char* const kMoments[3][3] = {
     {"ixx", "ixy", "ixz"}, {"ixy", "iyy", "iyz"}, {"ixz", "iyz", "izz"}};
 
@@ -91,8 +93,11 @@ class Plain {
     for (UrdfElement* link : tree_.links) check_inertia(link);
     for (UrdfElement* joint : way_)
       if (!is_type(joint, "fixed")) check_mass(joint);
-    for (UrdfElement* joint : way_)
-      if (is_type(joint, "revolute") || is_type(joint, "prismatic")) check_limits(joint);
+    for (UrdfElement* joint : way_) {
+      if (!is_type(joint, "revolute") && !is_type(joint, "prismatic")) continue;
+      check_axis_and_dynamics(joint);
+      check_limits(joint);
+    }
   }
 
   std::vector<std::string> notes;
@@ -193,6 +198,13 @@ class Plain {
         link->DeleteChild(body);
         continue;
       }
+      // urdfdom drops a body whose numbers it cannot read, and MuJoCo has words of its own.
+      for (const char* what : {"radius", "length"})
+        if (double x = 1.0; shape && shape->Attribute(what) &&
+                            (shape->QueryDoubleAttribute(what, &x) != tinyxml2::XML_SUCCESS ||
+                             !(x > 0.0 && std::isfinite(x))))
+          throw InputError(fmt::format("link '{}': a {}'s {} is {} m; valid is more than 0 m",
+                                       name_of(link), kind, what, value(shape, what)));
       if (kind != "box" && kind != "mesh") continue;
       const Isometry3d X = placement_of(body);
       std::vector<Capsule> capsules;
@@ -283,6 +295,19 @@ class Plain {
                  0.4 * std::max(filled, mass) * kBall * kBall * Matrix3d::Identity());
   }
 
+  void check_axis_and_dynamics(const UrdfElement* joint) const {
+    const auto* axis = joint->FirstChildElement("axis");
+    if (axis && !(vector(axis, "xyz", 0.0).norm() > kLeastAxis))
+      throw InputError(
+          fmt::format("joint '{}': <axis xyz=\"{}\">; valid is a direction, as in \"0 0 1\"",
+                      name_of(joint), value(axis, "xyz")));
+    const auto* dynamics = joint->FirstChildElement("dynamics");
+    for (const char* what : {"damping", "friction"})
+      if (const double x = number(dynamics, what); !(x >= 0.0 && x <= kMostDynamics))
+        throw InputError(fmt::format("joint '{}': <dynamics {}=\"{}\">; valid are 0 to {:g}",
+                                     name_of(joint), what, value(dynamics, what), kMostDynamics));
+  }
+
   void check_limits(UrdfElement* joint) {
     const bool slides = is_type(joint, "prismatic");
     auto* limit = joint->FirstChildElement("limit");
@@ -291,13 +316,14 @@ class Plain {
           "joint '{}' has no <limit>; valid is one with lower, upper, effort and velocity",
           name_of(joint)));
     const auto require = [&](const char* what, const char* unit, const auto& otherwise) {
-      if (number(limit, what) > 0.0 && std::isfinite(number(limit, what))) return;
+      if (number(limit, what) >= kLeastLimit && std::isfinite(number(limit, what))) return;
       const double filled = otherwise();
       fault(limit->Attribute(what)
                 ? fmt::format("joint '{}': <limit {}=\"{}\">", name_of(joint), what,
                               value(limit, what))
                 : fmt::format("joint '{}': <limit> without {}", name_of(joint), what),
-            fmt::format("more than 0 {}", unit), fmt::format("it became {:.3g} {}", filled, unit));
+            fmt::format("{} {} or more", kLeastLimit, unit),
+            fmt::format("it became {:.3g} {}", filled, unit));
       limit->SetAttribute(what, filled);
     };
     require("effort", slides ? "N" : "Nm", [&] { return std::ceil(load(joint, slides)); });

@@ -65,6 +65,25 @@ TEST_F(UrdfFaults, JointsThatCannotBeDrivenAreNamed) {
   expect(changed(slide, kJoint3, "effort=\"176\"", "effort=\"0\""), {"'joint_3'", "effort"});
 }
 
+// Each was taken, and its motion unstable, endless, or refused in MuJoCo's words.
+TEST_F(UrdfFaults, AxesDampingAndSpeedsThatNoJointHasAreNamed) {
+  for (const char* axis : {"0 0 0", "0 1e-12 0"})
+    expect(changed(iiwa_urdf(), kJoint3, "<axis xyz=\"0 0 1\"/>",
+                   std::string("<axis xyz=\"") + axis + "\"/>"),
+           {"'joint_3'", std::string("<axis xyz=\"") + axis + "\">", "direction"});
+  for (const char* what : {"damping=\"-1\"", "friction=\"-2\"", "damping=\"1e9\""})
+    expect(changed(iiwa_urdf(), kJoint3, "<limit", std::string("<dynamics ") + what + "/><limit"),
+           {"'joint_3'", what, "valid are 0 to 10000"});
+  for (const char* velocity : {"1e-9", "0", "-1", "nan", "inf"})
+    expect(changed(iiwa_urdf(), kJoint3, "velocity=\"1.7453\"",
+                   std::string("velocity=\"") + velocity + "\""),
+           {"'joint_3'", velocity, "0.01 rad/s or more"});
+  for (const std::string length : {"inf", "nan", "abc"})
+    expect(changed(iiwa_urdf(), "<collision><origin xyz=\"0 0 0.10775\" rpy=\"0 0 0\"/>",
+                   "length=\"0.2155\"", "length=\"" + length + "\""),
+           {"cylinder's length is " + length});
+}
+
 TEST_F(UrdfFaults, SixAndEightJointsAreRead) {
   EXPECT_EQ(ArmModel(write("6.urdf", six_joint_urdf())).joints(), 6);
   EXPECT_EQ(ArmModel(write("8.urdf", eight_joint_urdf())).joints(), 8);
