@@ -221,8 +221,11 @@ std::optional<Cycle> Executor::step(const PathSample& desired) {
   return cycle;
 }
 
-// Chooses the law of the next torque: a motion that is out of control is damped.
+// Chooses the law of the next torque: a motion that is out of control is damped, but not by a stale
+// state, which would drive it: the control law then only holds the arm's weight.
 Law Executor::law(const PathSample& desired) const {
+  const ArmState& read = arm_.state();
+  if (!(read.time - read.state_time <= e_.control.impedance.timing.max_state_age)) return {};
   if (reaction_.state() == Reaction::State::damp)
     return {.kind = Law::Kind::damp, .v = monitors_.confirmed_speed(arm_.state())};
   if (!reaction_.lost_control()) return {};
@@ -380,6 +383,7 @@ Verdict ArmMonitors::judge(const Cycle& cycle, const Reaction& reaction, bool bl
   if (worst) return worst;
   worst = reading_.judge(cycle);
   if (worst || state == Reaction::State::damp) return worst;
+  if (cycle.out.status.stale_state) return emergency(cycle);  // foretold, it tells nothing
   worst = worse(signs_.judge(cycle), reversal_.judge(cycle));
   if (worst) return worst;
   if (state != Reaction::State::halt) worst = emergency(cycle);

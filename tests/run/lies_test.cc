@@ -137,6 +137,89 @@ TEST(Lies, AFalseWrenchOfASensorIsNamed) {
   }
 }
 
+// A dead sensor reads zero. The pen then pressed with 68 N and more, part after part, and the run
+// finished.
+TEST(Lies, AWrenchThatIsZeroForEverIsNamed) {
+  for (const char* name : {"bowl-sine", "bowl-sine-sensor", "bowl-sine-real", "bowl-sine-touch"}) {
+    for (const double share : {-0.1, 0.1, 0.6}) {
+      Prepared e = prepared(name);
+      const double from = time_at(e.plan.path, share);
+      SCOPED_TRACE(testing::Message() << name << " from " << from << " s");
+      Liar arm(e, [&](ArmState* s) {
+        if (s->time >= from) s->wrench.setZero();
+      });
+      double hardest = 0.0;
+      RunHooks hooks;
+      hooks.row = [&](const LogRow& row) { hardest = std::max(hardest, row.contact_force.norm()); };
+      const RunOutcome outcome = run(e, arm, {}, 0.0, hooks);
+      EXPECT_LT(hardest, 45.0) << outcome.cause;
+      if (hardest == 0.0) continue;  // the pen never came down: nothing is drawn, which is said
+      EXPECT_EQ(outcome.end, RunEnd::stopped);
+      EXPECT_THAT(outcome.cause, AnyOf(HasSubstr("of which the measured wrench tells"),
+                                       HasSubstr("the wrench stands still")));
+    }
+  }
+}
+
+// With 60 N on the arm the canvas is felt all the same.
+TEST(Lies, AHandOnTheArmMakesNoWrenchALie) {
+  for (const char* link : {"link_5", "link_6"}) {
+    SCOPED_TRACE(link);
+    Prepared e = prepared("bowl-sine", {std::string("pushes=[{link: ") + link +
+                                        ", force: 60, direction: [0, 0, 1], middle: 0.5, "
+                                        "duration: 2}]"});
+    Liar arm(e);
+    EXPECT_EQ(run(e, arm, {}, 0.0).end, RunEnd::finished);
+  }
+}
+
+// Estimated from positions that no longer came, the speed grew: a joint was braked that did not
+// turn, up to 20 rad/s and 155 N on the canvas.
+TEST(Lies, AStaleStateIsNotDamped) {
+  for (const double share : {0.0, 0.2, 0.5}) {
+    SCOPED_TRACE(share);
+    Prepared e = prepared(
+        "bowl-sine-real",
+        {"faults=[{kind: stale_state, start: " + std::to_string(share) + ", duration: 1000}]"});
+    double hardest = 0.0;
+    RunHooks hooks;
+    hooks.row = [&](const LogRow& row) { hardest = std::max(hardest, row.contact_force.norm()); };
+    Liar arm(e);
+    const RunOutcome outcome = run(e, arm, {}, 0.0, hooks);
+    EXPECT_THAT(outcome.cause, HasSubstr("joint states that are stale"));
+    EXPECT_LT(hardest, 15.0);
+  }
+}
+
+// The pen has left the surface by then. Without an end, the drawing went on in the air, 17 mm off,
+// until a link met the canvas.
+TEST(Lies, AWrenchThatDoesNotComeBackEndsTheRun) {
+  for (const char* name : {"bowl-sine", "bowl-sine-realistic", "bowl-sine-real"}) {
+    SCOPED_TRACE(name);
+    Prepared e = prepared(name, {"faults=[{kind: stale_wrench, start: 0.4, duration: 1000}]"});
+    const double begun = time_at(e.plan.path, 0.4);
+    Liar arm(e);
+    const RunOutcome outcome = run(e, arm, {}, 0.0);
+    EXPECT_EQ(outcome.end, RunEnd::stopped);
+    EXPECT_THAT(outcome.cause, HasSubstr("no fresh wrench came for 1.0 s"));
+    EXPECT_LE(found_at(outcome), begun + 1.1);
+  }
+}
+
+// Digits of a stamp of 1e300 s filled a page.
+TEST(Lies, AClockBeyondReasonIsToldInAFewDigits) {
+  for (const int which : {0, 1, 2}) {
+    Prepared e = prepared("bowl-sine");
+    Liar arm(e, [&](ArmState* s) {
+      if (s->time < 0.1) return;
+      (which == 0 ? s->time : which == 1 ? s->state_time : s->wrench_time) = 1e300;
+    });
+    const RunOutcome outcome = run(e, arm, {}, 0.0);
+    EXPECT_THAT(outcome.cause, HasSubstr("e+300 s"));
+    EXPECT_LT(outcome.cause.size(), 120u) << outcome.cause;
+  }
+}
+
 TEST(Lies, AnArmThatStandsStillIsNotPlayedThePlan) {
   for (const char* name : {"bowl-sine", "bowl-sine-natural", "bowl-sine-realistic", "bowl-m-blind",
                            "bowl-sine-touch", "wall"}) {

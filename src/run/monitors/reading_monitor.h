@@ -7,7 +7,7 @@
 //   stamps  of state and wrench: at most 20 ms, and the wrench's known delay, ahead of the clock;
 //           not older than start() by more than 1 s
 //
-//   wrench  that says the canvas pushes with 1 N: not the same, bit by bit, while the tip moves by
+//   wrench  that says 1 N and more act on the tip: not the same, bit by bit, while the tip moves by
 //           5 mm along the normal
 //
 // Ages within these bounds and numbers that are not finite are left to the control law's status.
@@ -58,11 +58,11 @@ class ReadingMonitor {
     if (felt_ && stands_still(cycle) && cause_.empty()) {
       cause_ = fmt::format(
           "the wrench stands still: the force on the tip is still {:.1f} N, 5 mm along the normal",
-          cycle.normal_force());
+          cycle.F_ext.head<3>().norm());
     } else if (!update(*cycle.state, torque, external(cycle), &cycle.arm.M)) {
       return {};
     }
-    return {Severity::damp, fmt::format("{} at t = {:.3f} s", cause(), cycle.next_run_time())};
+    return {Severity::damp, fmt::format("{} at t = {} s", cause(), told(cycle.next_run_time()))};
   }
 
   // The contradiction that was found; empty: none.
@@ -91,11 +91,15 @@ class ReadingMonitor {
     const Eigen::Vector3d& p_WE = cycle.arm.X_WE.p;
     // A wrench whose stamp is old is the law's concern.
     const bool old = cycle.state->time - cycle.state->wrench_time > kAhead + wrench_delay_;
-    if (old || cycle.state->wrench != wrench_ || !(cycle.normal_force() > kPushes)) {
+    if (old || cycle.state->wrench != wrench_ || !(cycle.F_ext.head<3>().norm() > kPushes)) {
       wrench_ = cycle.state->wrench;
       p_WE_ = p_WE;
     }
     return std::abs((p_WE - p_WE_).dot(cycle.out.n_WD)) > kMoved;
+  }
+
+  static std::string told(double t) {  // in a few digits, whatever a clock says
+    return std::abs(t) < 1e7 ? fmt::format("{:.3f}", t) : fmt::format("{:.3g}", t);
   }
 
   std::string contradiction(const ArmState& state) {
@@ -104,14 +108,15 @@ class ReadingMonitor {
     still_ = state.time == time_ ? still_ + 1 : 0;
     if (still_ > kMostStill) return "the arm's clock stands still";
     if (!(state.time >= time_))
-      return fmt::format("the arm's clock went back from {:.3f} s to {:.3f} s", time_, state.time);
+      return fmt::format("the arm's clock went back from {:.3f} s to {} s", time_,
+                         told(state.time));
     if (driver_.waits && time_ > 0.0 && state.time > time_ + kMostStill * driver_.period)
-      return fmt::format("the arm's clock jumped ahead from {:.3f} s to {:.3f} s", time_,
-                         state.time);
+      return fmt::format("the arm's clock jumped ahead from {:.3f} s to {} s", time_,
+                         told(state.time));
     const auto outside = [&](const char* what, double stamp, double delay) -> std::string {
       const double ahead = stamp - state.time;
       if (ahead <= kAhead + delay && stamp >= -kOldest) return {};
-      return fmt::format("the {} is stamped {:.3f} s {} the arm's clock", what, std::abs(ahead),
+      return fmt::format("the {} is stamped {} s {} the arm's clock", what, told(std::abs(ahead)),
                          ahead < 0.0 ? "behind" : "ahead of");
     };
     const std::string cause = outside("joint state", state.state_time, 0.0);

@@ -1,5 +1,6 @@
-// Ends a run whose arm cannot be driven: the driver has a fault, or the control law has not been
-// given a usable joint state or wrench for kBadStateTime.
+// Ends a run whose arm cannot be driven: the driver has a fault, or the control law was not given a
+// usable joint state for kBadStateTime, or a fresh wrench for kStaleWrenchTime, in which the pen
+// leaves the surface.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,7 +10,7 @@
 
 namespace impedraw {
 
-inline constexpr double kBadStateTime = 0.2;  // [s]
+inline constexpr double kBadStateTime = 0.2, kStaleWrenchTime = 1.0;  // [s]
 
 class StateMonitor {
  public:
@@ -17,7 +18,11 @@ class StateMonitor {
   Verdict judge(const Cycle& cycle, const std::string& fault) {
     const ControlStatus& status = cycle.out.status;
     bad_ = status.bad_input || status.stale_state ? bad_ + cycle.dt : 0.0;
+    stale_wrench_ = status.stale_wrench ? stale_wrench_ + cycle.dt : 0.0;
     if (!fault.empty()) return {Severity::lose, fault};
+    if (bad_ <= kBadStateTime && stale_wrench_ > kStaleWrenchTime)
+      return {Severity::halt, fmt::format("no fresh wrench came for {:.1f} s up to t = {:.3f} s",
+                                          kStaleWrenchTime, cycle.run_time)};
     if (bad_ <= kBadStateTime) return {};
     return {Severity::lose,
             fmt::format("the controller was given {} for {:.1f} s up to t = {:.3f} s",
@@ -35,7 +40,7 @@ class StateMonitor {
     return cycle.F_ext.allFinite() ? "" : ", as the wrench,";
   }
 
-  double bad_ = 0.0;  // since the last usable state [s]
+  double bad_ = 0.0, stale_wrench_ = 0.0;  // since the last usable state, fresh wrench [s]
 };
 
 }  // namespace impedraw
