@@ -177,7 +177,8 @@ int place_by_hand(DrawOptions options, const PlaceOptions& place) {
     if (marked) {
       const MarkedAreas areas = marked_areas(areas_in(question));
       placed = with_cover_defaults(bench->scenario(), places);
-      placed.cover.region = fs::absolute(free_for(fs::path(target).replace_extension(".svg")));
+      placed.cover.region =
+          fs::absolute(free_for(fs::path(target).replace_extension(".areas.svg")));
       placed.drawing.placement = areas.placement;
       write_whole(placed.cover.region, areas.svg);
     } else {

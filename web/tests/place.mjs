@@ -19,7 +19,7 @@ const { chromium } = createRequire(join(web, "package.json"))("playwright-core")
 const executablePath = process.env.CHROMIUM ?? execFileSync("sh", ["-c", "command -v chromium"]).toString().trim();
 const shots = join(web, "shots");
 const scratch = mkdtempSync(join(tmpdir(), "impedraw-place-"));
-const saved = join(scratch, "placed.yaml"), region = join(scratch, "placed.svg");
+const saved = join(scratch, "placed.yaml"), region = join(scratch, "placed.areas.svg");
 mkdirSync(shots, { recursive: true });
 let run, address;
 
