@@ -44,7 +44,7 @@ SWITCHES = {
 SPRINGS = {
     "bowl-sine-elastic@worst": "sine",
     "bowl-m-elastic@worst": "M",
-    "elastic-untold": "sine, told neither springs nor rotors, exact cameras (one seed)",
+    "elastic-untold": "sine, told neither springs nor rotors (one seed)",
     "elastic-fr3": "sine, the FR3's springs, rotors and loop under the iiwa's links, 0.5 Nm of dry friction (one seed)",
     "elastic-harmonic-drive": "the same with a harmonic-drive cobot's springs and rotors, no torque loop, read on the links' side",
 }

@@ -90,6 +90,13 @@ def kept(name, begin, end):
     return page[page.index(begin) : page.index(end)]
 
 
+def kept_paragraph(name, begin):
+    """The paragraph of a page that begins so, as it is."""
+    page = (DOCS / name).read_text().splitlines()
+    first = next(i for i, line in enumerate(page) if line.startswith(begin))
+    return page[first : page.index("", first)]
+
+
 def with_part(name, marker, lines):
     """The lines of a page with `lines` between <!-- marker --> and <!-- /marker -->."""
     page = (DOCS / name).read_text().splitlines()
@@ -432,14 +439,12 @@ def moving(rows, folder):
              "Three cameras keep capturing at 30 Hz, 60 ms late with 10 ms of jitter, one frame in twenty dropped; they find four marks on the bowl's rim, each with "
              "0.3 mm of noise per axis, camera and frame. The surface is known from one snapshot with 1 mm of depth noise at 1 m, unless frames have depths. The arm watches for 6 s, then draws "
              "with 5 N at 50 mm/s along the canvas. All errors are measured in the canvas's own frame.", "",
-             "The arm is ideal here, and the cameras are exact: the controller has the simulated arm's own model, its joints have no friction, readings and torques neither noise nor "
-             "delay, the force-torque sensor no error, and the cameras stand and see as is believed, but for the noise and the delays named above. What a real arm and calibrated "
-             "cameras add was not measured.", "",
+             *kept_paragraph("moving.md", "The arm is ideal here"), "",
              f"`./impedraw sweep studies/moving.yaml`, {stamp(folder)}: {len(rows)} runs, **{len(bad)} failed**, all but {len(as_it_is)} of them without prediction or feed-forward. A "
              "run fails if it stops, if a stroke has no ink, if the pen is off the canvas for more than 2 % of the time, or if the ink error is over 1 mm RMS.", "",
              "![The arm draws \"Hi\" on a bowl that sways and rolls, three times as fast as it goes](images/moving-sway.webp)", "",
              "![Ink error and force against speed, latency, amplitude and frequency](moving.png)", "",
-             "## Scenarios", "", "The worst of sine and M on five seeds.", "",
+             "## Scenarios", "", *kept_paragraph("moving.md", "The worst of sine and M on five seeds."), "",
              "| scenario | motion | contact | ink RMS [mm] | ink max [mm] | force SD [N] | tilt mean [deg] | touchdown [N] |", "|---" * 8 + "|"]  # fmt: skip
     for name, (motion, *_) in MOVING.items():
         lines.append(f"| `{name}` | {motion} | " + " | ".join(worst_of_scenario(rows, "scenarios", name + "-")) + " |")
