@@ -65,7 +65,7 @@ void BM_scan_plan(benchmark::State& state) {
     const double before = processor_seconds();
     const PreparedPlan e = prepare_plan(scan_scenario(), {}, Unreachable::tell);
     state.SetIterationTime(processor_seconds() - before);
-    state.counters["line_m"] = plane_length(e.plan.requested);
+    state.counters["line_m"] = plane_length(e.plan.requested(e.artwork));
   }
 }
 

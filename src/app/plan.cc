@@ -59,7 +59,7 @@ int plan(const DrawOptions& options, bool as_json, bool suggest) {
   }
   say(stdout, "{}", as_json ? json : plan_text(e) + plan_limits_text(e, limits, suggest));
   if (e.plan.wrap) {
-    write_distortion({e.scenario.name, e.plan.wrap->chart(), e.artwork.strokes, e.plan.requested,
+    write_distortion({e.scenario.name, e.plan.wrap->chart(), e.artwork.strokes, *e.plan.laid,
                       projected_distortion(e), wrapped_distortion(e)},
                      folder / "distortion");
   }

@@ -313,11 +313,11 @@ std::vector<PlanLine> lines_of_findings(const PlannedDrawing& e, const SurfaceHe
 PlanPicture picture_of_plan(const PlannedDrawing& e, const SurfaceHeight& surface) {
   PlanPicture picture;
   picture.title = e.scenario.name;
-  picture.subtitle = fmt::format(
-      "{} strokes, {:.2f} m; {}", e.plan.requested.size(), e.plan.path.pen_down_length(),
-      e.plan.preflight.findings.empty()
-          ? "all can be drawn"
-          : fmt::format("{:.0f} mm cannot be drawn", 1e3 * length_not_drawable(e)));
+  picture.subtitle =
+      fmt::format("{} strokes, {:.2f} m; {}", e.plan.source.size(), e.plan.path.pen_down_length(),
+                  e.plan.preflight.findings.empty()
+                      ? "all can be drawn"
+                      : fmt::format("{:.0f} mm cannot be drawn", 1e3 * length_not_drawable(e)));
   add_surface(e, &picture);
   for (std::size_t i = 0; i < e.plan.strokes.size(); ++i) {
     picture.lines.push_back(plan_line(e.plan.strokes[i], surface, 0.0, ""));

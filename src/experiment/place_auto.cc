@@ -51,10 +51,10 @@ struct Point {
 std::vector<Point> points_of(const PlannedDrawing& e, int count) {
   SurfaceHeight::Sample last;
   double length = 0.0;
-  for (const PlacedStroke& stroke : e.plan.requested) length += plane_length(stroke);
+  for (const PlacedStroke& stroke : e.plan.requested(e.artwork)) length += plane_length(stroke);
   const double step = std::max(length / count, 1e-3);
   std::vector<Point> points;
-  for (const PlacedStroke& stroke : e.plan.requested) {
+  for (const PlacedStroke& stroke : e.plan.requested(e.artwork)) {
     const StrokeRuler ruler(stroke);
     const double own = ruler.length();
     const int pieces = std::max(1, static_cast<int>(std::lround(own / step)));
@@ -124,7 +124,7 @@ class Search {
       rest_q = find_posture(arm_, {X * middle->p_P, -Vector3d::UnitZ()}, e_.belief.start_q).q;
     return not_drawable(
         check_strokes(
-            e_.plan.requested, e_.surface(), e_.belief.arm, nullptr, e_.belief.start_q,
+            e_.plan.requested(e_.artwork), e_.surface(), e_.belief.arm, nullptr, e_.belief.start_q,
             preflight_settings(s, X * e_.artwork.X_WP, e_.belief.perception != nullptr, rest_q))
             .findings);
   }

@@ -21,19 +21,9 @@
 namespace impedraw {
 namespace {
 
-// Numbers the strokes in order. `source` gets their numbers in the artwork.
-std::vector<PlacedStroke> renumbered(std::vector<PlacedStroke> strokes, std::vector<int>* source) {
-  source->clear();
-  for (PlacedStroke& stroke : strokes) {
-    source->push_back(stroke.number);
-    stroke.number = static_cast<int>(source->size()) - 1;
-  }
-  return strokes;
-}
-
 // A wrapped stroke that is cut on the surface goes on where it was cut on the page.
 void start_on_page(const Placement& placement, Plan* plan) {
-  std::vector<PlacedStroke>& strokes = plan->requested;
+  std::vector<PlacedStroke>& strokes = *plan->laid;
   for (std::size_t k = 1; k < strokes.size(); ++k) {
     const PlacedStroke& last = strokes[k - 1];
     PlacedStroke& stroke = strokes[k];
@@ -83,7 +73,7 @@ class Planning {
     const std::vector<StrokePart> lost = lay_on_surface();
     plan_.load = {hardest(s_, artwork_.strokes), s_.control.friction.coefficient,
                   s_.control.torque_share};
-    plan_.rest_q = rest_posture(s_.arm, artwork_, plan_.requested, belief_, setting_errors_);
+    plan_.rest_q = rest_posture(s_.arm, artwork_, requested(), belief_, setting_errors_);
     check(lost);
     for (bool done = false; !done;) {
       setting_errors_.locate(placement_setting_names(), [&] { promise(); });
@@ -120,10 +110,7 @@ class Planning {
     return belief_.height_unknown() ? nullptr : belief_.obstacle.get();
   }
   Eigen::Vector3d z_WP() const { return artwork_.X_WP.R.col(2); }
-  const PlacedStroke& requested(int number) const {
-    return plan_.requested[static_cast<std::size_t>(number)];
-  }
-  int source(int number) const { return plan_.source[static_cast<std::size_t>(number)]; }
+  const std::vector<PlacedStroke>& requested() const { return plan_.requested(artwork_); }
 
   PathSettings path_settings() const;
   PreflightSettings preflight_settings() const;
@@ -136,7 +123,7 @@ class Planning {
   void check(const std::vector<StrokePart>& lost);
   void promise();
   void plan_path();
-  void leave_out_barred(const std::vector<Finding>& transitions, double share);
+  void leave_out_barred(std::vector<Finding> transitions, double share);
   void leave_out(const OffSurface& off);
   bool leave_out_crawling();
   void take_away(std::size_t drawable, double from, double to, Finding finding);
@@ -202,19 +189,22 @@ PreflightSettings Planning::preflight_settings() const {
 
 // Projects or wraps the strokes. Returns the parts without a surface, by the artwork's numbers.
 std::vector<StrokePart> Planning::lay_on_surface() {
-  WrappedStrokes laid{artwork_.strokes, {}};
+  WrappedStrokes laid;
   if (s_.drawing.mapping == Mapping::wrap) {
     laid = setting_errors_.locate({"drawing.wrap", "drawing.mapping", "drawing"}, [&] {
       plan_.wrap.emplace(surface(), s_.drawing.placement.centre_m, artwork_.strokes,
                          s_.drawing.wrap);
       return plan_.wrap->wrap(artwork_.strokes);
     });
+    plan_.laid = std::move(laid.strokes);
   }
   if (const auto& heading = plan_.path_settings.heading)
-    laid.strokes = cut_where_turned(std::move(laid.strokes), *heading, artwork_.X_WP,
-                                    plan_.path_settings.corner_angle_deg * std::numbers::pi / 180.0,
-                                    &heading_notes_);
-  plan_.requested = renumbered(std::move(laid.strokes), &plan_.source);
+    plan_.laid = cut_where_turned(requested(), *heading, artwork_.X_WP,
+                                  plan_.path_settings.corner_angle_deg * std::numbers::pi / 180.0,
+                                  &heading_notes_);
+  for (const PlacedStroke& stroke : requested()) plan_.source.push_back(stroke.number);
+  for (std::size_t k = 0; plan_.laid && k < plan_.laid->size(); ++k)
+    (*plan_.laid)[k].number = static_cast<int>(k);
   if (plan_.wrap) {
     start_on_page(artwork_.placement, &plan_);
     wrap_doubt_ = wrap_doubt(plan_, belief_);
@@ -266,8 +256,8 @@ void Planning::leave_to_run(std::vector<Finding>* findings) {
 
 void Planning::check(const std::vector<StrokePart>& lost) {
   plan_.preflight = setting_errors_.locate({"preflight"}, [&] {
-    return check_strokes(plan_.requested, checked_surface(), belief_.arm, obstacle(),
-                         belief_.start_q, preflight_settings(),
+    return check_strokes(requested(), checked_surface(), belief_.arm, obstacle(), belief_.start_q,
+                         preflight_settings(),
                          [&](double share) { tell("checking the strokes", 0.3 + 0.35 * share); });
   });
   if (may_move()) leave_to_run(&plan_.preflight.findings);
@@ -300,15 +290,16 @@ void Planning::promise() {
     for (const Finding& f : findings) plan_.notes.push_back("not drawn: " + finding_text(f));
   }
   plan_.strokes.clear();
+  plan_.strokes.reserve(plan_.preflight.drawable.size());
   of_artwork_.clear();
   std::optional<StrokeRuler> ruler;
   for (const StrokePart& part : plan_.preflight.drawable) {
-    const PlacedStroke& whole = requested(part.stroke);
+    const PlacedStroke& whole = requested()[static_cast<std::size_t>(part.stroke)];
     if (!ruler || &ruler->stroke() != &whole) ruler.emplace(whole);
     PlacedStroke stroke = ruler->part(part.from, part.to);
     stroke.number = static_cast<int>(plan_.strokes.size());
     stroke.start = 0.0;
-    of_artwork_.push_back(source(part.stroke));
+    of_artwork_.push_back(plan_.source[static_cast<std::size_t>(part.stroke)]);
     plan_.strokes.push_back(std::move(stroke));
   }
 }
@@ -326,6 +317,7 @@ void Planning::note_roughness() {
 void Planning::plan_path() {
   // Each round shortens or leaves out at least one, where ways are barred by more than the last.
   for (double share = 0.1; !plan_.strokes.empty();) {
+    plan_.path = TipPath();  // of what was promised before: large
     const double looks = 3.0 * plane_length(plan_.strokes) / plan_.path_settings.knot_spacing +
                          3.0 * static_cast<double>(plan_.strokes.size());
     const auto tell_path = [&](double done) { tell("planning the path", 0.65 + 0.15 * done); };
@@ -344,7 +336,7 @@ void Planning::plan_path() {
     if (may_move())
       std::erase_if(transitions, [](const Finding& f) { return passes_with_canvas(f.problem); });
     if (transitions.empty()) return;
-    leave_out_barred(transitions, share);
+    leave_out_barred(std::move(transitions), share);
     share *= 2.0;
     promise();
   }
@@ -355,10 +347,11 @@ void Planning::plan_path() {
 // stroke is shortened at that end by a share of its length, or left out if too little remains;
 // where the arm cannot follow it from there, that part is left out, with more about it for a
 // greater share.
-void Planning::leave_out_barred(const std::vector<Finding>& transitions, double share) {
+void Planning::leave_out_barred(std::vector<Finding> transitions, double share) {
   constexpr double kShorten = 5e-3, kAbout = 50e-3;  // at least; times the share [m]
-  std::vector<const Finding*> barring(plan_.preflight.drawable.size(), nullptr);
-  for (const Finding& f : transitions) {
+  plan_.path = TipPath();                            // large, and has told what it can
+  std::vector<Finding*> barring(plan_.preflight.drawable.size(), nullptr);
+  for (Finding& f : transitions) {
     const auto i = static_cast<std::size_t>(f.part.stroke);
     if (i < barring.size() && !barring[i]) barring[i] = &f;  // the first of each
   }
@@ -366,7 +359,7 @@ void Planning::leave_out_barred(const std::vector<Finding>& transitions, double 
   for (std::size_t i = barring.size(); i-- > 0;) {  // so that the numbers of those before stay
     if (!barring[i]) continue;
     any = true;
-    const Finding& f = *barring[i];
+    Finding& f = *barring[i];
     const StrokePart whole = plan_.preflight.drawable[i];
     double from = whole.from, to = whole.to;
     const double less = std::max(kShorten, share * whole.length());
@@ -378,7 +371,7 @@ void Planning::leave_out_barred(const std::vector<Finding>& transitions, double 
       from = whole.from + f.part.from - kAbout * share;
       to = whole.from + f.part.to + kAbout * share;
     }
-    take_away(i, from, to, f);
+    take_away(i, from, to, std::move(f));
   }
   if (!any) throw InputError(finding_text(transitions.front()));
 }

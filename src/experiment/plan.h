@@ -20,9 +20,12 @@
 namespace impedraw {
 
 struct Plan {
-  // The artwork's strokes in P, wrapped if the drawing is; numbered from 0.
-  std::vector<PlacedStroke> requested;
-  // The artwork's stroke number for each of `requested`: the same number unless a wrap cut it.
+  // The artwork's strokes in P, numbered from 0, where the plan wraps or cuts them.
+  std::optional<std::vector<PlacedStroke>> laid;
+  const std::vector<PlacedStroke>& requested(const PlacedArtwork& artwork) const {
+    return laid ? *laid : artwork.strokes;
+  }
+  // The artwork's stroke number for each of `requested`: the same number unless it was cut.
   std::vector<int> source;
   std::optional<Wrap> wrap;  // onto the planner's surface, if the drawing is wrapped
   JointVector rest_q;        // rest posture of the null space [rad]

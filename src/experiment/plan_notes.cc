@@ -35,7 +35,7 @@ double wrap_doubt(const Plan& plan, const Belief& belief) {
     return std::numeric_limits<double>::infinity();
   }
   double squares = 0.0, length = 0.0;
-  for (const PlacedStroke& stroke : plan.requested)
+  for (const PlacedStroke& stroke : *plan.laid)
     for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
       const auto here = plan.wrap->to_flat(stroke.p_P[i]), other = finest->to_flat(stroke.p_P[i]);
       if (!here || !other) continue;

@@ -87,7 +87,7 @@ StrokePart on_artwork(const Plan& plan, const Placement& placement, const Stroke
   const auto k = static_cast<std::size_t>(part.stroke);
   StrokePart flat{plan.source[k], part.from, part.to};
   if (!plan.wrap) return flat;
-  const PlacedStroke& stroke = plan.requested[k];
+  const PlacedStroke& stroke = (*plan.laid)[k];
   flat.from = stroke.start + flat_length(part_of(stroke, stroke.start, part.from), placement);
   flat.to = flat.from + flat_length(part_of(stroke, part.from, part.to), placement);
   return flat;
@@ -103,7 +103,7 @@ Distortion wrapped_distortion(const PlannedDrawing& e) {
 
 nlohmann::ordered_json plan_json(const PlannedDrawing& e) {
   nlohmann::ordered_json json;
-  json["strokes"] = e.plan.requested.size();
+  json["strokes"] = e.plan.source.size();
   json["drawable_parts"] = e.plan.strokes.size();
   json["pen_down_m"] = e.plan.path.pen_down_length();
   json["pen_up_m"] = PathTally(e.plan.path).pen_up;
@@ -144,7 +144,7 @@ std::string plan_text(const PlannedDrawing& e) {
   const char* const all = e.artwork.notes.empty()
                               ? "all of it can be drawn\n"
                               : "all strokes can be drawn; the notes tell what the artwork loses\n";
-  const std::size_t strokes = e.plan.requested.size(), parts = e.plan.strokes.size();
+  const std::size_t strokes = e.plan.source.size(), parts = e.plan.strokes.size();
   std::string text = fmt::format("{}: {} stroke{}; {} part{} to draw\n", e.scenario.name, strokes,
                                  strokes == 1 ? "" : "s", parts, parts == 1 ? "" : "s");
   text += size_text(e);

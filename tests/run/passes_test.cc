@@ -121,7 +121,7 @@ TEST(Passes, WhatCannotBeDrawnIsRefusedOrLeftOutAndSaid) {
   double covered = 0.0;
   for (const StrokePart& part : e.plan.preflight.drawable) covered += part.length();
   for (const Finding& finding : e.plan.preflight.findings) covered += finding.part.length();
-  EXPECT_NEAR(covered, plane_length(e.plan.requested[0]), 1e-9);
+  EXPECT_NEAR(covered, plane_length(e.artwork.strokes[0]), 1e-9);
   for (const PlacedStroke& stroke : e.plan.strokes)
     for (const Eigen::Vector2d& p : stroke.p_P)
       EXPECT_LE((p - Eigen::Vector2d(0.6, 0.0)).norm(), 0.18);

@@ -14,24 +14,34 @@ const char* name_of(Phase phase) noexcept {
   return kNames[static_cast<int>(phase)];
 }
 
+PathMove move_between(const Vector3d& from, const Vector3d& to, SpeedSpan limits) {
+  const Vector3d way = to - from;
+  limits.length = way.norm();
+  return {way.normalized(), limits};
+}
+
+PathMove turn_between(const Vector3d& n, const Vector3d& to, SpeedSpan limits) {
+  const Vector3d across = n.cross(to);
+  limits.length = std::atan2(across.norm(), n.dot(to));
+  return {across.norm() > 1e-9 ? across.normalized() : n.unitOrthogonal(), limits};
+}
+
 TipPath::TipPath(PathParts parts, const std::vector<int>& numbers, const Pose& X_WP,
                  std::vector<ForceProfile> forces)
     : parts_(std::move(parts)), strokes_(numbers.size()), forces_(std::move(forces)), X_WP_(X_WP) {
   const std::vector<PathLeg>& legs = parts_.legs;
   for (std::size_t i = 0; i < numbers.size(); ++i) strokes_[i].number = numbers[i];
-  std::vector<char> started(numbers.size(), 0);
   double approach = 0;
   for (std::size_t i = 0; i < legs.size(); ++i) {
     const PathLeg& leg = legs[i];
     const double t = leg.start;
-    if (leg.pause) pauses_.push_back(t);
     if (leg.phase == Phase::approach && (i == 0 || legs[i - 1].phase != Phase::approach))
       approach = t;
-    if (leg.stroke >= 0) {
+    if (leg.counts) {
       StrokeTimes& s = strokes_[leg.stroke];
-      if (!started[leg.stroke]) s.approach = approach, s.start = t, started[leg.stroke] = 1;
+      if (s.end == 0) s.approach = approach, s.start = t;  // the first
       s.end = i + 1 < legs.size() ? legs[i + 1].start : parts_.duration;
-      if (leg.spline >= 0) s.length += parts_.splines[leg.spline].line.arc_length();
+      if (leg.splined) s.length += parts_.splines[leg.place].line.arc_length();
     }
   }
 }
@@ -52,9 +62,9 @@ double TipPath::pen_down_length() const noexcept {
 void TipPath::lead(const PathLeg& leg, double since, TipReference* r) const noexcept {
   const ToolHeading& heading = *parts_.heading;
   const Vector3d n = r->n_WD;
-  if (leg.spline >= 0) {
+  if (leg.splined) {
     constexpr double kNear = 2.5e-4;  // [m]
-    const auto& [line, progress] = parts_.splines[leg.spline];
+    const auto& [line, progress] = parts_.splines[leg.place];
     const SpeedState along = progress.at(since);
     const SplineHeading here = heading_at(line.at(along.x));
     const double before = std::max(0.0, along.x - kNear),
@@ -65,12 +75,12 @@ void TipPath::lead(const PathLeg& leg, double since, TipReference* r) const noex
     r->yaw_rate = here.turn * along.speed;
     r->yaw_acceleration = here.turn * along.acceleration + bend * along.speed * along.speed;
   } else {
-    const PathSpin& turned = parts_.spins[leg.spin];
+    const PathSpin& turned = parts_.spins[&leg - parts_.legs.data()];
     const SpeedState spin = rest_to_rest(turned.progress, parts_.smoothing_time, since);
     const double way = turned.back ? -1.0 : 1.0;
     Vector3d x = turned.x;
-    if (leg.turn >= 0) {
-      const auto& [axis, progress] = parts_.turns[leg.turn];
+    if (leg.turns) {
+      const auto [axis, progress] = parts_.turn(leg);
       x = Eigen::AngleAxisd(rest_to_rest(progress, parts_.smoothing_time, since).x, axis) * x;
     }
     r->x_WD = turned_about(n, x, way * spin.x);
@@ -93,50 +103,51 @@ PathSample TipPath::at(double t) const noexcept {
   const PathLeg& leg = *std::prev(after);
   const double since = t - leg.start;
 
-  if (!done && leg.stroke >= 0) {
+  if (!done && leg.counts) {
     sample.stroke = strokes_[leg.stroke].number;
     sample.along = leg.along;
   }
   sample.phase = done ? Phase::done : leg.phase;
   TipReference& reference = sample.reference;
-  reference.pen_down = leg.pen_down && !done;
+  reference.pen_down = sample.phase == Phase::approach || sample.phase == Phase::draw;
 
-  reference.p_WD = leg.p;
   const Vector3d& n = parts_.normals[leg.normal];
   reference.n_WD = n;
-  if (leg.move >= 0) {
-    const auto& [direction, progress] = parts_.moves[leg.move];
-    const SpeedState along = rest_to_rest(progress, parts_.smoothing_time, since);
-    reference.p_WD += along.x * direction;
-    reference.v_WD = along.speed * direction;
-    reference.a_WD = along.acceleration * direction;
-  }
   ForceSample force;
-  const bool presses = leg.pressed >= 0 && reference.pen_down;
-  if (presses && leg.spline < 0) force = forces_[leg.pressed].at(leg.along);
-  if (leg.spline >= 0) {
-    const auto& [line, progress] = parts_.splines[leg.spline];
+  const bool presses = reference.pen_down && !forces_.empty();
+  if (leg.splined) {
+    const auto& [line, progress] = parts_.splines[leg.place];
     const SpeedState along = progress.at(since);
     const SplinePoint s = line.at(along.x);
     if (presses) {
-      force = forces_[leg.pressed].at(s.along);
+      force = forces_[leg.stroke].at(s.along);
       reference.force_rate = force.slope * s.dalong * along.speed;
     }
     if (sample.stroke >= 0) sample.along = s.along;
     const double squared = along.speed * along.speed;
-    reference.p_WD = leg.p + s.p;
+    reference.p_WD = parts_.below + s.p;
     reference.v_WD = along.speed * s.dp;
     reference.a_WD = along.acceleration * s.dp + squared * s.ddp;
-    if (!leg.fixed_normal) {
+    if (!parts_.fixed_normals) {
       reference.n_WD = s.n;
       reference.w_WD = along.speed * s.n.cross(s.dn);
       reference.alpha_WD = s.n.cross(along.acceleration * s.dn + squared * s.ddn);
     }
+  } else {
+    reference.p_WD = parts_.points[leg.place];
+    if (leg.moves) {
+      const auto [direction, progress] = parts_.move(leg);
+      const SpeedState along = rest_to_rest(progress, parts_.smoothing_time, since);
+      reference.p_WD += along.x * direction;
+      reference.v_WD = along.speed * direction;
+      reference.a_WD = along.acceleration * direction;
+    }
+    if (presses) force = forces_[leg.stroke].at(leg.along);
   }
   reference.force = force.force;
   reference.depth = force.depth;
-  if (leg.turn >= 0) {
-    const auto& [axis, progress] = parts_.turns[leg.turn];
+  if (leg.turns) {
+    const auto [axis, progress] = parts_.turn(leg);
     const SpeedState turn = rest_to_rest(progress, parts_.smoothing_time, since);
     reference.n_WD = std::cos(turn.x) * n + std::sin(turn.x) * axis.cross(n);
     reference.w_WD = turn.speed * axis;

@@ -56,26 +56,28 @@ struct StrokeTimes {
   double length = 0;    // pen-down length on the surface [m]
 };
 
-// One segment of the path in time, with a single law of motion: the pen moves by at most one of
-// `spline` and `move`, from p, while n turns. Large drawings have a million; most need few parts.
+// One segment of the path in time, with a single law of motion: along a spline, or straight from a
+// point. Large drawings have a million, which share points and normals; the rest is found anew.
 struct PathLeg {
-  double start = 0;                             // [s]
-  double along = 0;                             // without a spline: position on its stroke [m]
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();  // [m]
-  int normal = 0;                               // n at the start, of PathParts
-  int stroke = -1;                              // in the order of the path
-  int pressed = -1;  // ≥ 0: the pen has the force of that stroke: of `along`, or the spline's
-  int spline = -1, move = -1, turn = -1, spin = -1;  // ≥ 0: of PathParts; a spline is moved by p
+  double start = 0;  // [s]
+  double along = 0;  // without a spline: position on its stroke [m]
+  int place = 0;     // of PathParts: the spline, or the point at the start
+  int normal = 0;    // n at the start, of PathParts
+  int stroke = -1;   // in the order of the path, while the pen is down
   Phase phase = Phase::travel;
-  bool pen_down = false;
-  bool pause = false;        // begins with a pause
-  bool fixed_normal = true;  // that n, and its turn; false: the spline's normal
+  bool counts : 1 = false;  // PathSample::stroke is that stroke
+  bool splined : 1 = false;
+  bool moves : 1 = false;  // to the next of the points
+  bool turns : 1 = false;  // n turns to the next of the normals
 };
 // From rest to rest along or about a unit vector [m, rad].
 struct PathMove {
   Eigen::Vector3d direction;
   SpeedSpan progress;
 };
+// `limits`: its speed and acceleration count.
+PathMove move_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to, SpeedSpan limits);
+PathMove turn_between(const Eigen::Vector3d& n, const Eigen::Vector3d& to, SpeedSpan limits);
 // Of a led heading, off the splines: x at the leg's start, which n carries along, and its turn
 // about n, the other way round if `back`.
 struct PathSpin {
@@ -90,20 +92,31 @@ struct TimedSpline {
 };
 struct PathParts {
   std::vector<PathLeg> legs;
-  std::vector<Eigen::Vector3d> normals;  // n where it has turned; legs share them
-  std::vector<PathMove> moves, turns;
-  std::vector<PathSpin> spins;  // of every leg, or none
+  std::vector<Eigen::Vector3d> points, normals;  // where p and n have come to off the splines
   std::vector<TimedSpline> splines;
+  Eigen::Vector3d below = Eigen::Vector3d::Zero();  // that moves the splines [m]
+  bool fixed_normals = false;                       // those of the splines do not count
+  std::vector<PathSpin> spins;                      // of every leg, or none
   std::optional<ToolHeading> heading;
-  double smoothing_time = 0;  // of moves, turns and spins [s]
-  double duration = 0;        // of all legs [s]
+  std::vector<double> pauses;            // as in TipPath [s]
+  SpeedSpan approaches, travels, turns;  // limits of moves, of other moves, and of turns
+  double smoothing_time = 0;             // of moves, turns and spins [s]
+  double duration = 0;                   // of all legs [s]
+
+  PathMove move(const PathLeg& leg) const {
+    return move_between(points[leg.place], points[leg.place + 1],
+                        leg.phase == Phase::approach ? approaches : travels);
+  }
+  PathMove turn(const PathLeg& leg) const {
+    return turn_between(normals[leg.normal], normals[leg.normal + 1], turns);
+  }
 };
 
 class TipPath {
  public:
   TipPath() = default;
   // `numbers`: the strokes' numbers, in path order. The parts are in the drawing frame P; samples
-  // are in W. `forces`: of each stroke; may be empty if no leg is pressed.
+  // are in W. `forces`: of each stroke, or none.
   TipPath(PathParts parts, const std::vector<int>& numbers, const Pose& X_WP,
           std::vector<ForceProfile> forces);
 
@@ -112,7 +125,7 @@ class TipPath {
   PathSample at(double t) const noexcept;
 
   // When the run waits until it is told to go on: the pen is up and at rest then [s].
-  const std::vector<double>& pauses() const noexcept { return pauses_; }
+  const std::vector<double>& pauses() const noexcept { return parts_.pauses; }
   const std::vector<StrokeTimes>& strokes() const noexcept { return strokes_; }
   double mean_speed() const noexcept;  // along the strokes; infinite if they take no time [m/s]
   double pen_down_length() const noexcept;  // total over all strokes, on the surface [m]
@@ -121,7 +134,6 @@ class TipPath {
   void lead(const PathLeg& leg, double since, TipReference* reference) const noexcept;
 
   PathParts parts_;
-  std::vector<double> pauses_;  // [s]
   std::vector<StrokeTimes> strokes_;
   std::vector<ForceProfile> forces_;
   Pose X_WP_;

@@ -48,27 +48,32 @@ class Planner {
 
   TipPath plan(std::vector<FittedStroke> strokes) {
     safe_z_ = s_.highest_z.value_or(highest(strokes)) + s_.safe_height;
-    constexpr std::size_t kLegs = 9, kMoves = 7, kTurns = 3;  // of a stroke, at most, mostly
+    constexpr std::size_t kLegs = 9, kPoints = 7, kNormals = 5;  // of a stroke, at most, mostly
     parts_.legs.reserve(kLegs * strokes.size() + 1);
-    parts_.moves.reserve(kMoves * strokes.size());
-    parts_.turns.reserve(kTurns * strokes.size());
+    parts_.points.reserve(kPoints * strokes.size() + 1);
+    parts_.normals.reserve(kNormals * strokes.size() + 1);
     parts_.splines.reserve(strokes.size());
+    parts_.below = -sunk();
+    parts_.fixed_normals = s_.vertical_pen;
+    parts_.approaches = {0.0, s_.approach_speed, s_.draw_acceleration};
+    parts_.travels = {0.0, s_.travel_speed, s_.travel_acceleration};
+    parts_.turns = {0.0, s_.turn_speed, s_.turn_acceleration};
     parts_.smoothing_time = s_.smoothing_time;
     parts_.heading = s_.heading;
-    hold(s_.start_hold, Phase::travel, -1, false);
+    hold(s_.start_hold, Phase::travel);
     for (std::size_t i = 0; i < strokes.size(); ++i) {
       const Vector3d n = normal(strokes[i].first);
       const Vector3d first = strokes[i].first.p_P, hover = first + s_.hover_height * n;
       wait(strokes[i]);
       if (s_.heading && !strokes[i].parts.empty()) turn_on_the_way(strokes[i].parts.front(), n);
       travel_to(above(hover, n), hover, n);
-      pressed_ = strokes[i].force.empty() ? -1 : static_cast<int>(i);
+      stroke_ = static_cast<int>(i);
       along_ = strokes[i].from;
       approach(first - sunk());
-      draw(strokes[i], static_cast<int>(i));
+      draw(strokes[i]);
       n_ = normal(strokes[i].last);
       along_ = strokes[i].to;
-      hold(s_.end_hold, Phase::draw, -1, true);
+      hold(s_.end_hold, Phase::draw);
       lift();
     }
     std::vector<int> numbers;
@@ -115,17 +120,16 @@ class Planner {
   }
 
   // At a corner, before the part.
-  void turn_at_corner(const PathSpline& part, int index) {
+  void turn_at_corner(const PathSpline& part) {
     const double spin = spin_to(part, x_);
     const Vector3d corner = p_;
-    if (s_.heading->lifted)
-      move(corner + s_.hover_height * n_, n_, Phase::lift, s_.travel_speed, s_.travel_acceleration);
+    if (s_.heading->lifted) move(corner + s_.hover_height * n_, n_, Phase::lift);
     spin_ = spin;
-    move(p_, n_, s_.heading->lifted ? Phase::travel : Phase::draw, 1.0, 1.0, !s_.heading->lifted);
+    move(p_, n_, s_.heading->lifted ? Phase::travel : Phase::draw);
     if (s_.heading->lifted)
       approach(corner);
     else if (!parts_.legs.empty())
-      parts_.legs.back().stroke = index;
+      parts_.legs.back().counts = true;
   }
 
   Vector3d normal(const SurfaceSample& sample) const {
@@ -165,97 +169,88 @@ class Planner {
     return q;
   }
 
-  PathLeg& add(Phase phase, bool pen_down) {
+  // The place of x in `all`, whose last it is or becomes.
+  static int last_of(std::vector<Vector3d>* all, const Vector3d& x) {
+    if (all->empty() || all->back() != x) all->push_back(x);
+    return static_cast<int>(all->size()) - 1;
+  }
+
+  PathLeg& add(Phase phase) {
     PathLeg& leg = parts_.legs.emplace_back();
     leg.start = parts_.duration;
     leg.phase = phase;
-    leg.pen_down = pen_down;
-    leg.pressed = pen_down ? pressed_ : -1;
+    leg.stroke = stroke_;
     leg.along = along_;
-    leg.p = p_;
-    if (parts_.normals.empty() || parts_.normals.back() != n_) parts_.normals.push_back(n_);
-    leg.normal = static_cast<int>(parts_.normals.size()) - 1;
-    if (s_.heading) {
-      leg.spin = static_cast<int>(parts_.spins.size());
-      parts_.spins.push_back({.x = x_});
-    }
+    leg.place = last_of(&parts_.points, p_);
+    leg.normal = last_of(&parts_.normals, n_);
+    if (s_.heading) parts_.spins.push_back({.x = x_});
     return leg;
   }
 
   // Moves straight to q while the normal turns to `n`.
-  void move(const Vector3d& q, const Vector3d& n, Phase phase, double speed, double acceleration,
-            bool pen_down = false) {
-    const Vector3d way = q - p_;
-    const Vector3d across = n_.cross(n);
-    const double angle = std::atan2(across.norm(), n_.dot(n));
+  void move(const Vector3d& q, const Vector3d& n, Phase phase) {
+    const PathMove way = move_between(
+                       p_, q, phase == Phase::approach ? parts_.approaches : parts_.travels),
+                   turn = turn_between(n_, n, parts_.turns);
+    const bool moves = way.progress.length >= kStill, turns = turn.progress.length >= kStill;
     const double spin = phase == Phase::lift || phase == Phase::approach || std::abs(spin_) < kStill
                             ? 0.0
                             : std::exchange(spin_, 0.0);
-    if (way.norm() < kStill && angle < kStill && spin == 0.0) return;
-    PathLeg& leg = add(phase, pen_down);
-    double duration = 0.0;  // [s]
-    if (way.norm() >= kStill) {
-      leg.move = static_cast<int>(parts_.moves.size());
-      parts_.moves.push_back({way.normalized(), {way.norm(), speed, acceleration}});
-      duration = rest_to_rest_duration(parts_.moves.back().progress, s_.smoothing_time);
-    }
-    Vector3d axis = Vector3d::UnitX();
-    if (angle >= kStill) {
-      axis = across.norm() > 1e-9 ? across.normalized() : n_.unitOrthogonal();
-      leg.turn = static_cast<int>(parts_.turns.size());
-      parts_.turns.push_back({axis, {angle, s_.turn_speed, s_.turn_acceleration}});
-      duration = std::max(duration,
-                          rest_to_rest_duration(parts_.turns.back().progress, s_.smoothing_time));
-    }
+    if (!moves && !turns && spin == 0.0) return;
+    PathLeg& leg = add(phase);
+    leg.moves = moves;
+    leg.turns = turns;
+    if (moves) last_of(&parts_.points, q);
+    if (turns) last_of(&parts_.normals, n);
+    double duration =
+        std::max(moves ? rest_to_rest_duration(way.progress, s_.smoothing_time) : 0.0,
+                 turns ? rest_to_rest_duration(turn.progress, s_.smoothing_time) : 0.0);  // [s]
     if (spin != 0.0) {
-      PathSpin& turned = parts_.spins[leg.spin];
+      PathSpin& turned = parts_.spins.back();
       turned.progress = {std::abs(spin), s_.turn_speed, s_.turn_acceleration};
       turned.back = spin < 0.0;
       turned_ += spin;
       duration = std::max(duration, rest_to_rest_duration(turned.progress, s_.smoothing_time));
     }
-    if (s_.heading) x_ = turned_about(n, Eigen::AngleAxisd(angle, axis) * x_, spin);
+    if (s_.heading) {
+      const Vector3d axis = turns ? turn.direction : Vector3d::UnitX();
+      x_ = turned_about(n, Eigen::AngleAxisd(turn.progress.length, axis) * x_, spin);
+    }
     parts_.duration += duration;
     p_ = q;
     n_ = n;
   }
 
-  void hold(double duration, Phase phase, int stroke, bool pen_down) {
+  void hold(double duration, Phase phase, bool counts = false) {
     if (!(duration > 0)) return;
-    PathLeg& leg = add(phase, pen_down);
-    leg.stroke = stroke;
+    add(phase).counts = counts;
     parts_.duration += duration;
   }
 
   void wait(const FittedStroke& stroke) {
-    const double least = stroke.pause ? kPause : 0.0;
-    if (!(std::max(stroke.wait, least) > 0.0)) return;
-    hold(std::max(stroke.wait, least), Phase::travel, -1, false);
-    parts_.legs.back().pause = stroke.pause;
+    if (stroke.pause) parts_.pauses.push_back(parts_.duration);
+    hold(std::max(stroke.wait, stroke.pause ? kPause : 0.0), Phase::travel);
   }
 
   void travel_to(const Vector3d& above_hover, const Vector3d& hover, const Vector3d& n) {
-    const double v = s_.travel_speed, a = s_.travel_acceleration;
-    if (p_.z() < safe_z_) move({p_.x(), p_.y(), safe_z_}, righted(n_), Phase::travel, v, a);
-    move(above_hover, righted(n), Phase::travel, v, a);
-    move(clear_of(hover, n), n, Phase::travel, v, a);
-    move(hover, n, Phase::travel, v, a);
+    if (p_.z() < safe_z_) move({p_.x(), p_.y(), safe_z_}, righted(n_), Phase::travel);
+    move(above_hover, righted(n), Phase::travel);
+    move(clear_of(hover, n), n, Phase::travel);
+    move(hover, n, Phase::travel);
   }
 
   void approach(const Vector3d& first) {
-    move(first, n_, Phase::approach, s_.approach_speed, s_.draw_acceleration, true);
-    hold(s_.settle_time, Phase::approach, -1, true);
+    move(first, n_, Phase::approach);
+    hold(s_.settle_time, Phase::approach);
   }
 
-  void draw(FittedStroke& stroke, int index) {
-    if (stroke.parts.empty()) hold(s_.dot_time, Phase::draw, index, true);
+  void draw(FittedStroke& stroke) {
+    if (stroke.parts.empty()) hold(s_.dot_time, Phase::draw, true);
     for (PathSpline& part : stroke.parts) {
-      if (s_.heading && &part != &stroke.parts.front()) turn_at_corner(part, index);
-      PathLeg& leg = add(Phase::draw, true);
-      leg.stroke = index;
-      leg.p = -sunk();
-      leg.spline = static_cast<int>(parts_.splines.size());
-      leg.fixed_normal = s_.vertical_pen;
+      if (s_.heading && &part != &stroke.parts.front()) turn_at_corner(part);
+      PathLeg& leg = add(Phase::draw);
+      leg.counts = leg.splined = true;
+      leg.place = static_cast<int>(parts_.splines.size());
       const SplinePoint last = part.at(part.length());
       p_ = last.p - sunk();
       along_ = last.along;
@@ -333,15 +328,14 @@ class Planner {
 
   void lift() {
     const Vector3d out = clear_of(p_, n_);
-    move(out, n_, Phase::lift, s_.travel_speed, s_.travel_acceleration);
-    move({out.x(), out.y(), std::max(out.z(), safe_z_)}, righted(n_), Phase::lift, s_.travel_speed,
-         s_.travel_acceleration);
+    move(out, n_, Phase::lift);
+    move({out.x(), out.y(), std::max(out.z(), safe_z_)}, righted(n_), Phase::lift);
   }
 
   const PathSettings& s_;
   const SpanLimits& limits_;
   double safe_z_ = 0;
-  int pressed_ = -1;    // stroke whose force the pen has
+  int stroke_ = -1;     // at hand, in the order of the path
   double along_ = 0.0;  // where the pen is on its stroke [m]
   Vector3d p_, n_;
   Vector3d x_ = Vector3d::Zero();  // led heading

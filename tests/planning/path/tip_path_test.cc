@@ -36,6 +36,9 @@ std::vector<Phase> phases(const TipPath& path) {
   return order;
 }
 
+// A large drawing has a million legs.
+TEST(TipPath, LegsAreSmall) { EXPECT_LE(sizeof(PathLeg), 32u); }
+
 TEST(TipPath, PhasesFollowOneAnother) {
   const TipPath path = plan_tip_path(
       {line({{0.55, 0}, {0.6, 0.05}}), line({{0.6, -0.05}, {0.65, -0.05}})}, surfaces::bowl);
