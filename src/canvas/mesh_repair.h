@@ -16,8 +16,6 @@ struct Winding {
 // `edges` are the mesh's half-edges. Triangles are neighbours across edges that exactly two share.
 Winding find_winding(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges);
 
-// Merges vertices that nearly coincide.
-
 // Replaces each vertex that a triangle uses by the first one, in the triangles' order, within
 // `tolerance` [m] of it. Drops unused vertices. Keeps the number and order of the triangles.
 // Precondition: finite coordinates, indices in range, tolerance ≥ 0.

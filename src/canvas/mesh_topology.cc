@@ -1,7 +1,9 @@
 #include "impedraw/canvas/mesh_topology.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -14,21 +16,17 @@ namespace {
 
 // For each vertex, the first one at the same position.
 std::vector<int> merge_vertices(const std::vector<Eigen::Vector3d>& vertices) {
-  const auto before = [&](int a, int b) {
-    const auto& p = vertices[a];
-    const auto& q = vertices[b];
-    for (int i = 0; i < 3; ++i) {
-      if (p[i] != q[i]) return p[i] < q[i];
+  std::vector<int> first(vertices.size()), slots(std::bit_ceil(2 * vertices.size()), -1);
+  for (int v = 0; v < static_cast<int>(vertices.size()); ++v) {
+    std::uint64_t hash = 0;
+    for (const double x : vertices[v]) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9E3779B97F4A7C15u;  // −0 is 0
+      hash ^= hash >> 32;
     }
-    return a < b;
-  };
-  std::vector<int> order(vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), before);
-  std::vector<int> first(vertices.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool same = i > 0 && vertices[order[i]] == vertices[order[i - 1]];
-    first[order[i]] = same ? first[order[i - 1]] : order[i];
+    std::size_t i = hash & (slots.size() - 1);
+    while (slots[i] >= 0 && vertices[slots[i]] != vertices[v]) i = (i + 1) & (slots.size() - 1);
+    if (slots[i] < 0) slots[i] = v;
+    first[v] = slots[i];
   }
   return first;
 }

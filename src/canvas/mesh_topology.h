@@ -59,10 +59,9 @@ void for_each_edge(const std::vector<HalfEdge>& edges, Visit&& visit) {
 // lie on a sphere (Max, 1999). A vertex on a crease, an edge at which the surface turns by more
 // than kCrease, has one for each side: the normal is not smoothed across creases. Otherwise that of
 // a large flat face beside a sharp edge would lean by half of the edge's angle. side_normal weights
-// by the angle. On an edge, the mean of the two
-// face normals takes its place. The dot product with (p − closest point) then has the right sign
-// everywhere around a closed surface (Bærentzen and Aanæs, 2005); a face's own normal would be
-// wrong beside a sharp corner.
+// by the angle. On an edge, the mean of the two face normals takes its place. The dot product with
+// (p − closest point) then has the right sign everywhere around a closed surface (Bærentzen and
+// Aanæs, 2005); a face's own normal would be wrong beside a sharp corner.
 struct MeshTopology {
   static constexpr double kCrease = 0.7;  // [rad]
   struct Face {

@@ -58,6 +58,13 @@ TriangleMesh roof(double lean) {
           {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}}};
 }
 
+TEST(Canvas, ZeroOfEitherSignIsOnePlace) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {0, 0.1, 0}, {-0.1, 0, 0}, {-0.0, 0, 0}, {-0.0, 0.1, 0}, {0.1, 0, 0}};
+  mesh.triangles = {{0, 1, 2}, {3, 5, 4}};
+  EXPECT_FALSE(Canvas(mesh).closest({0, 0.05, 0.01}).on_edge);
+}
+
 // Beside a sharp edge a flat face's normal is its own; over the edge it is the way to the point.
 TEST(Canvas, NormalsAreNotSmoothedAcrossCreases) {
   for (const double lean : {0.5, 0.9}) {
