@@ -40,13 +40,13 @@ Sums sums_at(const SurfaceModel& model, std::span<const SeenPoint> samples, cons
     const double w = (off > settings.huber ? settings.huber / off : 1.0) / (sigma * sigma);
     Vector6 J;
     J << n, (s.p - c).cross(n) / radius;
-    sums.H.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
+    sums.H.noalias() += Vector6(w * J) * J.transpose();  // its upper half is exact
     sums.g += w * r * J;
     sums.weights += w;
     sums.squares += r * r;
     ++sums.matches;
   }
-  sums.H = sums.H.selfadjointView<Eigen::Lower>();
+  sums.H = sums.H.selfadjointView<Eigen::Upper>();
   return sums;
 }
 
