@@ -246,8 +246,7 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
   if (whole.p_P.empty()) throw InputError(fmt::format("stroke {}: has no points", number));
 
   FittedStroke fitted;
-  fitted.number = number;
-  fitted.from = fitted.to = stroke.start;
+  fitted.to = stroke.start;
   fitted.first = fitted.last =
       sample_or_throw(surface, whole.p_P.front(), whole.page.front(), number, last);
   if (whole.p_P.size() == 1) return fitted;

@@ -6,7 +6,6 @@
 
 #include "impedraw/drawing/placement.h"
 #include "impedraw/planning/path/axis_smoothing.h"
-#include "impedraw/planning/path/force_profile.h"
 #include "impedraw/planning/path/path_spline.h"
 #include "impedraw/planning/surface_height.h"
 
@@ -30,11 +29,7 @@ struct FitSettings {
 struct FittedStroke {
   std::vector<PathSpline> parts;  // corner to corner; none for a dot
   SurfaceSample first, last;
-  double from = 0, to = 0;     // interval on the stroke (stroke_part.h) [m]
-  int number = 0;              // PlacedStroke::number
-  ForceProfile force;          // none: control.normal_force
-  double speed = 0, wait = 0;  // as in PlacedStroke
-  bool pause = false;
+  double to = 0;  // end of the stroke (stroke_part.h) [m]
 };
 
 // A fifth of the tolerance is spent on dropping redundant points, so that finely sampled or jittery

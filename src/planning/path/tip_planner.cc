@@ -46,7 +46,8 @@ class Planner {
     p_ -= s_.heading->trail * x_;
   }
 
-  TipPath plan(std::vector<FittedStroke> strokes) {
+  TipPath plan(const std::vector<PlacedStroke>& placed, std::vector<FittedStroke> strokes,
+               std::vector<ForceProfile> forces) {
     safe_z_ = s_.highest_z.value_or(highest(strokes)) + s_.safe_height;
     constexpr std::size_t kLegs = 9, kPoints = 7, kNormals = 5;  // of a stroke, at most, mostly
     parts_.legs.reserve(kLegs * strokes.size() + 1);
@@ -64,26 +65,20 @@ class Planner {
     for (std::size_t i = 0; i < strokes.size(); ++i) {
       const Vector3d n = normal(strokes[i].first);
       const Vector3d first = strokes[i].first.p_P, hover = first + s_.hover_height * n;
-      wait(strokes[i]);
+      wait(placed[i]);
       if (s_.heading && !strokes[i].parts.empty()) turn_on_the_way(strokes[i].parts.front(), n);
       travel_to(above(hover, n), hover, n);
       stroke_ = static_cast<int>(i);
-      along_ = strokes[i].from;
+      along_ = placed[i].start;
       approach(first - sunk());
-      draw(strokes[i]);
+      draw(strokes[i], placed[i].speed);
       n_ = normal(strokes[i].last);
       along_ = strokes[i].to;
       hold(s_.end_hold, Phase::draw);
       lift();
     }
     std::vector<int> numbers;
-    std::vector<ForceProfile> forces;
-    const bool any_force = std::ranges::any_of(
-        strokes, [](const FittedStroke& stroke) { return !stroke.force.empty(); });
-    for (FittedStroke& stroke : strokes) {
-      numbers.push_back(stroke.number);
-      if (any_force) forces.push_back(std::move(stroke.force));
-    }
+    for (const PlacedStroke& stroke : placed) numbers.push_back(stroke.number);
     return TipPath(std::move(parts_), numbers, s_.X_WP, std::move(forces));
   }
 
@@ -227,7 +222,7 @@ class Planner {
     parts_.duration += duration;
   }
 
-  void wait(const FittedStroke& stroke) {
+  void wait(const PlacedStroke& stroke) {
     if (stroke.pause) parts_.pauses.push_back(parts_.duration);
     hold(std::max(stroke.wait, stroke.pause ? kPause : 0.0), Phase::travel);
   }
@@ -244,7 +239,7 @@ class Planner {
     hold(s_.settle_time, Phase::approach);
   }
 
-  void draw(FittedStroke& stroke) {
+  void draw(FittedStroke& stroke, double speed) {
     if (stroke.parts.empty()) hold(s_.dot_time, Phase::draw, true);
     for (PathSpline& part : stroke.parts) {
       if (s_.heading && &part != &stroke.parts.front()) turn_at_corner(part);
@@ -259,8 +254,7 @@ class Planner {
         x_ = turned_about(n_, heading_at(last).t, s_.heading->yaw);
         turned_ += turning_of(part).total;
       }
-      SpeedProfile progress =
-          drawing_profile(part, stroke.speed > 0.0 ? stroke.speed : s_.draw_speed);
+      SpeedProfile progress = drawing_profile(part, speed > 0.0 ? speed : s_.draw_speed);
       parts_.duration += progress.duration();
       parts_.splines.push_back({std::move(part), std::move(progress)});
     }
@@ -370,16 +364,15 @@ TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHei
        kCentripetalShare * settings.tilt_acceleration /
            (settings.draw_speed * settings.draw_speed)}};
   std::vector<FittedStroke> fitted(strokes.size());
+  const bool pressed = std::ranges::any_of(
+      strokes, [](const PlacedStroke& stroke) { return !stroke.force.empty(); });
+  std::vector<ForceProfile> forces(pressed ? strokes.size() : 0);
   in_parallel(static_cast<int>(strokes.size()), [&](int i) {
     const auto k = static_cast<std::size_t>(i);
-    const PlacedStroke& stroke = strokes[k];
-    fitted[k] = fit_stroke(stroke, surface, fit);
-    fitted[k].force = ForceProfile(stroke, settings.force_rate / settings.draw_speed);
-    fitted[k].speed = stroke.speed;
-    fitted[k].wait = stroke.wait;
-    fitted[k].pause = stroke.pause;
+    fitted[k] = fit_stroke(strokes[k], surface, fit);
+    if (pressed) forces[k] = ForceProfile(strokes[k], settings.force_rate / settings.draw_speed);
   });
-  return Planner(settings, limits).plan(std::move(fitted));
+  return Planner(settings, limits).plan(strokes, std::move(fitted), std::move(forces));
 }
 
 }  // namespace impedraw
