@@ -106,6 +106,21 @@ std::map<CubeKey, int> parts_of(const std::vector<Vector3d>& points, int* parts)
   return part;
 }
 
+// Height up to which a point belongs to the table [m]: what lies beneath the plane is noise and
+// waves of the table, and as much lies above. So a bowl's floor of 2 mm is not taken for the table
+// where the cameras are good enough.
+double height_on_table(const TablePlane& table, const std::vector<Vector3d>& points) {
+  constexpr double kLeast = 1e-3, kShare = 0.99, kReserve = 2.0;
+  std::vector<double> beneath;
+  for (const Vector3d& p : points)
+    if (const double h = table.height(p); h < 0.0 && h > -kOnTable) beneath.push_back(-h);
+  if (beneath.empty()) return kLeast;
+  const auto at =
+      beneath.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(beneath.size()));
+  std::nth_element(beneath.begin(), at, beneath.end());
+  return std::clamp(kReserve * *at, kLeast, kOnTable);
+}
+
 // The highest of the points over each square of P within `radius` of the middle.
 std::vector<Vector3d> upper_points(const std::vector<Vector3d>& points, const DrawnAbout& drawing,
                                    double radius) {
@@ -173,7 +188,8 @@ FoundCanvas find_canvas(const PointCloud& cloud, const DrawnAbout& drawing,
   const std::vector<Vector3d> sparse = thin(cloud, kSparse).points;
   std::optional<TablePlane> table;
   if (sparse.size() > 100) table = table_in(sparse, drawing.X_WP.R.col(2));
-  const auto on_table = [&](const Vector3d& p) { return table->height(p) < kOnTable; };
+  const double highest = table ? height_on_table(*table, cloud.points) : 0.0;
+  const auto on_table = [&](const Vector3d& p) { return table->height(p) < highest; };
   const auto above_table = [&] {
     std::vector<Vector3d> standing;
     for (const Vector3d& p : sparse)

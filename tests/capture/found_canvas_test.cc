@@ -14,15 +14,15 @@ namespace {
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
 
-constexpr double kNoise = 0.5e-3;  // [m]
+constexpr double kNoise = 0.5e-3, kGood = 0.15e-3;  // [m]
 
 struct Shown {
   PointCloud cloud;
   std::vector<int> what;  // 0: ball, 1: table, 2: box
   SeededNormals random{3};
 
-  void add(const Vector3d& p, int kind) {
-    cloud.points.push_back(p + kNoise * random.next() * Vector3d::UnitZ());
+  void add(const Vector3d& p, int kind, double noise = kNoise) {
+    cloud.points.push_back(p + noise * random.next() * Vector3d::UnitZ());
     cloud.camera.push_back(p.y() > 0 ? 0 : 1);
     for (int c = 0; c < 3; ++c) cloud.rgb.push_back(static_cast<std::uint8_t>(kind));
   }
@@ -73,6 +73,39 @@ TEST(FoundCanvas, ATableThatIsDrawnOnStays) {
   for (std::size_t i = 0; i < beside.canvas.points.size(); ++i)
     table += beside.canvas.rgb[3 * i] == 1;
   EXPECT_GT(table, 10000);
+}
+
+// A ring of 3 to 8 cm with a round wall, on a table; in its middle the bowl's floor, or the table.
+// The noise is that of good cameras.
+FoundCanvas ring_about(double floor) {
+  Shown shown;
+  shown.cloud.eyes = {Vector3d(0.6, 0.5, 0.9), Vector3d(0.6, -0.5, 0.9)};
+  for (double x = 0.35; x < 0.85; x += 0.0021)
+    for (double y = -0.3; y < 0.3; y += 0.0023) {
+      const double r = std::hypot(x - 0.6, y), out = std::abs(r - 0.055);
+      if (r < 0.03)
+        shown.add({x, y, floor}, 2, kGood);
+      else if (out < 0.025)
+        shown.add({x, y, 0.025 + std::sqrt(0.025 * 0.025 - out * out)}, 0, kGood);
+      else
+        shown.add({x, y, 0.0}, 1, kGood);
+    }
+  return find_canvas(shown.cloud, {{}, {0.6, 0.0}, 0.06, false});
+}
+
+TEST(FoundCanvas, ABowlKeepsItsThinFloorAndARingNotTheTableInIt) {
+  const auto middle_kept = [](const FoundCanvas& found) {
+    double kept = 0, all = 0;
+    for (const PointCloud* cloud : {&found.canvas, &found.beside})
+      for (std::size_t i = 0; i < cloud->points.size(); ++i) {
+        if (cloud->rgb[3 * i] != 2) continue;
+        all += 1;
+        kept += cloud == &found.canvas;
+      }
+    return kept / all;
+  };
+  EXPECT_GT(middle_kept(ring_about(2.2e-3)), 0.95);
+  EXPECT_LT(middle_kept(ring_about(0.0)), 0.05);
 }
 
 TEST(FoundCanvas, AFlatCanvasAloneIsNoTable) {
