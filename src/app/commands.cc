@@ -149,8 +149,21 @@ Scenario placed_with_canvas(const Scenario& scenario, const Places& places) {
 }  // namespace
 
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places) {
-  if (options.place == "surface")
-    return placed_on_surface(found_on_surface(options.surface, scenario, places));
+  if (options.place == "surface") {
+    const SurfacePlace found = found_on_surface(options.surface, scenario, places);
+    std::optional<Eigen::Vector2d> whole;
+    {
+      ProgressLine line;
+      whole = whole_size_mm(scenario, places, options.surface, found, [&line](double share) {
+        line.update("looking for a size that fits", share);
+      });
+    }
+    const Scenario there = placed_on_surface(found);
+    if (whole)
+      say(stderr, "note: the whole can be drawn {:.0f} × {:.0f} mm large: --shrink\n", whole->x(),
+          whole->y());
+    return there;
+  }
   if (!options.surface.near.empty() || options.surface.shrink)
     throw InputError("--near and --shrink need --place surface");
   if (options.place == "auto") return placed_with_canvas(scenario, places);

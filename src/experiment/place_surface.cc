@@ -32,6 +32,7 @@ constexpr double kAll = 0.999, kPromising = 0.95;
 constexpr std::size_t kTilts = 4;  // that are tried where the given plane does not do
 constexpr double kTilted = 0.01;   // what a tilted plane must be better by
 constexpr double kHopeless = 5.0;  // cost of a tilt that is not tried
+constexpr double kAlmost = 0.85;   // share from which on a place is moved a little
 constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
 
 // Distance of a point of W from the wish, in extents of the object `points`; from a point that is
@@ -207,6 +208,8 @@ struct PlaceBench::Parts {
   std::vector<std::vector<Vector2d>> strokes;
   std::vector<Vector2d> drawing;  // points spaced evenly along the strokes, about their middle
 
+  void improve(Checked* best);
+
   // Verdict of a pre-flight of the drawing at a place; `failed`: points of P where it cannot be
   // drawn.
   double share_of(const PlacementSettings& placement, std::vector<Vector2d>* failed) {
@@ -349,6 +352,27 @@ std::vector<Vector3d> PlaceBench::tilts(const SurfaceWish& wish) const {
   return tilts;
 }
 
+// Moves and turns a place by less than the search tells apart, as long as more can be drawn: joints
+// meet their limits on the ways to strokes, of which the search knows nothing.
+void PlaceBench::Parts::improve(Checked* best) {
+  if (best->share < kAlmost) return;
+  for (double way = 6e-3, turn = 12.0; way > 1e-3 && best->share < kNearlyAll;) {  // [m], [deg]
+    const double before = best->share;
+    for (int k = 0; k < 6 && best->share < kNearlyAll; ++k) {
+      const double sign = k % 2 == 0 ? 1.0 : -1.0;
+      Checked next = *best;
+      if (k < 4)
+        next.place.middle[k / 2] += sign * way;
+      else
+        next.place.turn_deg += sign * turn;
+      next.placement = placing.at(next.place);
+      next.share = share_of(next.placement, nullptr);
+      if (next.share > best->share) *best = next;
+    }
+    if (best->share == before) way /= 2, turn /= 2;
+  }
+}
+
 SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
                                     const std::function<void(double)>& progress) {
   Parts& parts = *parts_;
@@ -375,6 +399,7 @@ SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
       best = checked;
       in_vain = 0;
     }
+    parts.improve(&best);
     if (!wish.shrink || best.share >= kNearlyAll) break;
   }
   SurfacePlace result;
@@ -425,6 +450,18 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
   if (!(best.share > 0.0))
     throw InputError("--place surface: the drawing cannot be drawn at any place that was tried");
   return best;
+}
+
+std::optional<Vector2d> whole_size_mm(const Scenario& scenario, const Places& places,
+                                      const SurfaceWish& wish, const SurfacePlace& found,
+                                      const std::function<void(double)>& progress) {
+  if (found.share >= kNearlyAll || wish.shrink) return {};
+  Scenario there = scenario;
+  there.drawing.tilt_deg = found.scenario.drawing.tilt_deg;
+  const SurfaceWish smaller = {wish.near, true};
+  const SurfacePlace whole = PlaceBench(there, places, smaller).best_place(smaller, progress);
+  if (whole.share < kNearlyAll) return {};
+  return whole.size_mm;
 }
 
 }  // namespace impedraw

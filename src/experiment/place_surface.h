@@ -2,7 +2,8 @@
 // drawing to where most of it can be drawn well.
 //
 // Candidates come from the perceived surface (planning/preflight/place_search.h). The best ones
-// pass the whole pre-flight; where it fails, further candidates keep off. Where the level drawing
+// pass the whole pre-flight; where it fails, further candidates keep off. The best one is moved a
+// little where that lets more be drawn. Where the level drawing
 // plane has no place for the whole, planes that lean by 35° or 65° to one of eight sides are tried:
 // an object's sides are drawn on, too. A plane that the scenario tilts stays.
 #pragma once
@@ -10,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -84,5 +86,11 @@ class PlaceBench {
 SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
                               const SurfaceWish& wish,
                               const std::function<void(double)>& progress = {});
+
+// Where less than kNearlyAll can be drawn at the place that was found: the size at which the whole
+// can, in the same drawing plane [mm]; nullopt if there is none, or the wish lets it shrink anyway.
+std::optional<Eigen::Vector2d> whole_size_mm(const Scenario& scenario, const Places& places,
+                                             const SurfaceWish& wish, const SurfacePlace& found,
+                                             const std::function<void(double)>& progress);
 
 }  // namespace impedraw
