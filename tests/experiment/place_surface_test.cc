@@ -197,6 +197,28 @@ TEST_F(PlaceSurface, LeansToWhereOnlyASideBearsTheDrawing) {
   EXPECT_LT(given.share, found.share);
 }
 
+// On an upright can the search alone leaves a stroke's begin beyond a joint's limit on the way.
+TEST_F(PlaceSurface, MovesALittleWhereWaysMeetALimit) {
+  constexpr int kCorners = 64;
+  std::ofstream file(folder_ / "can.obj");
+  for (const double z : {0.0, 0.19})
+    for (int k = 0; k < kCorners; ++k) {
+      const double angle = 2.0 * std::numbers::pi * k / kCorners;
+      file << "v " << 0.6 + 0.05 * std::cos(angle) << ' ' << 0.05 * std::sin(angle) << ' ' << z
+           << '\n';
+    }
+  file << "v 0.6 0 0.19\n";
+  for (int k = 0; k < kCorners; ++k) {
+    const int a = k + 1, b = (k + 1) % kCorners + 1, c = a + kCorners, d = b + kCorners;
+    file << "f " << a << ' ' << b << ' ' << d << "\nf " << a << ' ' << d << ' ' << c << "\nf " << c
+         << ' ' << d << ' ' << 2 * kCorners + 1 << '\n';
+  }
+  file.close();
+  const Scenario can =
+      plate({"canvas.mesh.file=" + (folder_ / "can.obj").string(), "drawing.placement.width=110"});
+  EXPECT_GT(place_on_surface(can, {}, {}).share, 0.99);
+}
+
 TEST_F(PlaceSurface, RefusesAWishThatMeansNothing) {
   for (const char* near : {"nose", "1,2", "1,2,x", "1,2,3,4", "nan,0,0", ","}) {
     try {
