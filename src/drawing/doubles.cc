@@ -18,8 +18,9 @@ using Eigen::Vector2d;
 constexpr double kParallel = 0.035;  // [rad]
 constexpr int kDirections = 90;      // of half a turn, each as wide as kParallel
 constexpr double kLeastRun = 4;      // run that is removed, in distances
-constexpr double kMostPairs = 1e8;   // then what is left stays as it is
-constexpr double kLongCells = 10;    // along the drawing's diagonal
+constexpr int kNoLayer = -1;
+constexpr double kMostPairs = 1e8;  // then what is left stays as it is
+constexpr double kLongCells = 10;   // along the drawing's diagonal
 
 struct DrawnPart {
   Vector2d a, b;
@@ -33,11 +34,14 @@ class Drawn {
 
   Drawn(double wide, double longer) : size_(longer, wide) {}
 
-  void add(const DrawnPart& segment) {
+  int add(const DrawnPart& segment) {
     each_cell(segment, direction_of(segment), 0,
               [&](long key) { cells_[key].push_back(static_cast<int>(segments_.size())); });
     segments_.push_back(segment);
+    return static_cast<int>(segments_.size()) - 1;
   }
+
+  void forget(int segment) { segments_[segment].layer = kNoLayer; }
 
   // The shares of a → b that lie on segments within the distance.
   std::vector<std::pair<double, double>> on(const DrawnPart& s, double distance) {
@@ -155,44 +159,56 @@ double drop_doubles(std::vector<Stroke>& strokes, double distance_mm) {
       bool doubled;
       std::vector<Vector2d> points;
       double length;
+      std::vector<int> drawn;
     };
     std::vector<Span> spans;
     const auto add = [&](bool doubled, const Vector2d& from, const Vector2d& to) {
-      if (spans.empty() || spans.back().doubled != doubled) spans.push_back({doubled, {from}, 0});
+      if (spans.empty() || spans.back().doubled != doubled)
+        spans.push_back({doubled, {from}, 0, {}});
       spans.back().length += (to - from).norm();
       spans.back().points.push_back(to);
     };
     for (std::size_t i = 1; i < stroke.points.size(); ++i) {
       const Vector2d &a = stroke.points[i - 1], &b = stroke.points[i];
       const auto at = [&](double t) { return t == 0 ? a : t == 1 ? b : Vector2d(a + t * (b - a)); };
-      double done = 0, alone = 0;  // shares of the segment
+      double done = 0;  // share of the segment
+      const auto draw = [&](double to) {
+        add(false, at(done), at(to));
+        spans.back().drawn.push_back(drawn.add({at(done), at(to), stroke.layer}));
+      };
       for (const auto& [from, to] : drawn.on({a, b, stroke.layer}, distance)) {
-        if (from > done) {
-          add(false, at(done), at(from));
-          alone += from - done;
-        }
+        if (from > done) draw(from);
         if (to > std::max(done, from)) add(true, at(std::max(done, from)), at(to));
         done = std::max(done, to);
       }
-      if (done < 1) add(false, at(done), b);
-      alone += 1 - done;
-      if (alone > 0) drawn.add({a, b, stroke.layer});
+      if (done < 1) draw(1);
     }
-    const auto is_long = [&](const Span& span) {
+    // Crumbs beside what is doubled go with it.
+    std::vector<Span> joined;
+    for (Span& span : spans) {
+      span.doubled = span.doubled || (spans.size() > 1 && span.length < 2 * distance);
+      if (joined.empty() || joined.back().doubled != span.doubled) {
+        joined.push_back(std::move(span));
+        continue;
+      }
+      Span& before = joined.back();
+      before.points.insert(before.points.end(), span.points.begin() + 1, span.points.end());
+      before.drawn.insert(before.drawn.end(), span.drawn.begin(), span.drawn.end());
+      before.length += span.length;
+    }
+    spans = std::move(joined);
+    const auto is_double = [&](const Span& span) {
       return span.doubled && span.length > kLeastRun * distance;
     };
-    if (std::none_of(spans.begin(), spans.end(), is_long)) {
+    if (std::none_of(spans.begin(), spans.end(), is_double)) {
       kept.push_back(std::move(stroke));
       continue;
     }
-    // Crumbs beside what is removed go with it.
-    const auto is_double = [&](const Span& span) {
-      return is_long(span) || span.length < distance;
-    };
     bool goes_on = false;
     for (const Span& span : spans) {
       if (is_double(span)) {
         removed += span.length;
+        for (const int i : span.drawn) drawn.forget(i);
         goes_on = false;
         continue;
       }

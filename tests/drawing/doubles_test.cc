@@ -1,6 +1,8 @@
 // What lies on itself is drawn once, against lengths in closed form.
 #include "impedraw/drawing/doubles.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -39,6 +41,21 @@ TEST(Doubles, CurvesAndRetracedLines) {
   EXPECT_EQ(strokes.size(), 1u);
   strokes = {{{{0, 0}, {40, 0}, {10, 0}}}};
   EXPECT_NEAR(drop_doubles(strokes, 0.1), 30, 1e-9);
+}
+
+// Each lies on the one before: what is removed hides nothing.
+TEST(Doubles, WhatIsRemovedRemovesNothing) {
+  std::vector<Stroke> strokes;
+  for (int i = 0; i < 20; ++i) strokes.push_back({{{0, 0.08 * i}, {40 + 0.5 * i, 0.08 * i}}});
+  drop_doubles(strokes, 0.1);
+  for (int i = 0; i < 20; ++i) {
+    double nearest = 1;
+    for (const Stroke& s : strokes) {
+      if (std::min(s.points.front().x(), s.points.back().x()) < 1)
+        nearest = std::min(nearest, std::abs(s.points.front().y() - 0.08 * i));
+    }
+    EXPECT_LT(nearest, 0.1) << i;
+  }
 }
 
 TEST(Doubles, WhatOnlyCrossesOrLiesApartStays) {
