@@ -1,5 +1,6 @@
 #include "impedraw/drawing/clip_regions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -45,6 +46,23 @@ const ClipRegions::Shown& ClipRegions::of(int clip) {
   if (c.parent >= 0) shown = math_.common(shown, of(c.parent).region);
   RegionIndex index(shown);
   return regions_.emplace(clip, Shown{std::move(shown), std::move(index)}).first->second;
+}
+
+double ClipRegions::light(int clip, const Eigen::Vector2d& p) {
+  const Clip& c = clips_[clip];
+  const double around = c.parent < 0 ? 1 : light(c.parent, p);
+  if (around == 0) return 0;
+  const auto [shapes, is_new] = shapes_.try_emplace(clip);
+  for (std::size_t i = 0; is_new && i < c.shapes.size(); ++i)
+    shapes->second.emplace_back(c.shapes[i].area.outlines);
+  double light = 0;
+  for (std::size_t i = 0; i < c.shapes.size(); ++i) {
+    const ClipShape& shape = c.shapes[i];
+    if (!shapes->second[i].inside(p, shape.area.even_odd)) continue;
+    const double alpha = shape.alpha * (shape.clip < 0 ? 1 : this->light(shape.clip, p));
+    light = c.mask ? (1 - alpha) * light + alpha * shape.value : std::max(light, alpha);
+  }
+  return around * light;
 }
 
 void ClipRegions::forget() {

@@ -4,6 +4,8 @@
 #include <map>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "impedraw/drawing/regions.h"
 
 namespace impedraw {
@@ -34,6 +36,8 @@ class ClipRegions {
 
   // The region that the clip and its parents show.
   const Shown& of(int clip);
+  // What a place lets through, from 0 to 1: a mask, its luminance there.
+  double light(int clip, const Eigen::Vector2d& p);
   // Drops the regions if they are many: what of() returned is no longer valid.
   void forget();
 
@@ -41,6 +45,7 @@ class ClipRegions {
   const std::vector<Clip>& clips_;
   const RegionMath& math_;
   std::map<int, Shown> regions_;
+  std::map<int, std::vector<RegionIndex>> shapes_;
 };
 
 }  // namespace impedraw

@@ -71,4 +71,41 @@ bool is_stroke_end(const Vector2d& a, const Vector2d& b, const std::vector<Vecto
   return at(line.front(), line[1]) || at(line.back(), line[line.size() - 2]);
 }
 
+std::vector<LinePiece> pieces_where(
+    const std::vector<Vector2d>& line, double step,
+    const std::function<bool(const Vector2d&, const Vector2d&)>& is_seen) {
+  std::vector<double> ends{0};  // of the segments, along the line
+  for (std::size_t i = 1; i < line.size(); ++i)
+    ends.push_back(ends.back() + (line[i] - line[i - 1]).norm());
+  const double whole = ends.back();
+  if (!(whole > 0)) return {{line, 0, whole}};
+  const auto seen_at = [&](double s) {
+    const auto end = std::upper_bound(ends.begin() + 1, ends.end() - 1, s) - ends.begin();
+    const Vector2d along = (line[end] - line[end - 1]) / (ends[end] - ends[end - 1]);
+    return is_seen(line[end - 1] + (s - ends[end - 1]) * along, along);
+  };
+  const double count = std::ceil(std::max(whole / step, 3.0)), each = whole / count;
+  std::vector<bool> seen;
+  for (double i = 0; i < count; ++i) seen.push_back(seen_at((i + 0.5) * each));
+  for (std::size_t i = 1; i + 1 < seen.size(); ++i) {  // a corner, or where others cross
+    if (seen[i - 1] == seen[i + 1]) seen[i] = seen[i - 1];
+  }
+  std::vector<double> changes{0};
+  for (std::size_t i = 1; i < seen.size(); ++i) {
+    if (seen[i] == seen[i - 1]) continue;
+    double from = (static_cast<double>(i) - 0.5) * each, to = from + each;
+    while (to - from > each / 1000) {
+      const double middle = (from + to) / 2;
+      (seen_at(middle) == seen[i] ? to : from) = middle;
+    }
+    changes.push_back(to);
+  }
+  changes.push_back(whole);
+  std::vector<LinePiece> pieces;
+  for (std::size_t i = seen[0] ? 0 : 1; i + 1 < changes.size(); i += 2)
+    pieces.push_back({changes.size() == 2 ? line : line_part(line, changes[i], changes[i + 1]),
+                      changes[i], changes[i + 1] - changes[i]});
+  return pieces;
+}
+
 }  // namespace impedraw

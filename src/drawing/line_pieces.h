@@ -28,6 +28,11 @@ std::vector<LinePiece> visible_pieces(const std::vector<Eigen::Vector2d>& line, 
                                       const std::vector<const RegionIndex*>& indices,
                                       const std::function<bool(const Spot&)>& visible);
 
+// The parts of the line where is_seen(point, direction), looked at every `step`.
+std::vector<LinePiece> pieces_where(
+    const std::vector<Eigen::Vector2d>& line, double step,
+    const std::function<bool(const Eigen::Vector2d&, const Eigen::Vector2d&)>& is_seen);
+
 // The line between two lengths along it.
 std::vector<Eigen::Vector2d> line_part(const std::vector<Eigen::Vector2d>& line, double from,
                                        double to);

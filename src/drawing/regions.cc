@@ -182,7 +182,7 @@ std::span<const int> RegionIndex::reaching(std::size_t strip, double x) const {
   return {std::lower_bound(edges.begin(), edges.end(), from, is_left), edges.end()};
 }
 
-bool RegionIndex::inside(const Vector2d& p) const {
+bool RegionIndex::inside(const Vector2d& p, bool even_odd) const {
   if (edges_.empty() || !box_.contains(p)) return false;
   int winding = 0;
   for (const int i : reaching(strip_of(p.y()), p.x())) {
@@ -191,7 +191,7 @@ bool RegionIndex::inside(const Vector2d& p) const {
     const double side = cross(Vector2d(e.b - e.a), Vector2d(p - e.a));
     if (e.a.y() <= p.y() ? side > 0 : side < 0) winding += e.a.y() <= p.y() ? 1 : -1;
   }
-  return winding != 0;
+  return even_odd ? winding % 2 != 0 : winding != 0;
 }
 
 void RegionIndex::crossings(const Vector2d& a, const Vector2d& b, std::vector<double>& at) const {

@@ -47,7 +47,7 @@ class RegionIndex {
   explicit RegionIndex(const Outlines& region);
 
   bool empty() const { return edges_.empty(); }
-  bool inside(const Eigen::Vector2d& p) const;
+  bool inside(const Eigen::Vector2d& p, bool even_odd = false) const;
   // Appends where, from 0 at a to 1 at b, the line crosses outlines, in no order.
   void crossings(const Eigen::Vector2d& a, const Eigen::Vector2d& b, std::vector<double>& at) const;
 

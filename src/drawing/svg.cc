@@ -75,8 +75,7 @@ std::vector<Vector2d> page_outline(const Eigen::AlignedBox2d& page) {
 
 // The fill is no shape of the document's: it is there for what it hides.
 bool only_hides(const ImpedrawSvgPath& path) {
-  return path.hides == IMPEDRAW_SVG_WHITE_STROKE || path.hides == IMPEDRAW_SVG_EDGE ||
-         path.hides == IMPEDRAW_SVG_VEIL;
+  return path.hides == IMPEDRAW_SVG_WHITE_STROKE || path.hides == IMPEDRAW_SVG_VEIL;
 }
 
 // Indices of the layers by colour, in order of appearance; empty: groups are layers.
@@ -159,13 +158,14 @@ int add_dash(const ImpedrawSvgPath& path, const double* lengths,
 struct Painting {
   std::vector<Paint> paints;
   std::vector<Clip> clips;
+  std::vector<PaintGroup> groups;
   std::vector<Dash> dashes;
   Hidden hidden;
   double doubled_mm = 0;
 };
 
 void find_visible(Painting& painting) {
-  painting.hidden = keep_visible(painting.paints, painting.clips, painting.dashes);
+  painting.hidden = keep_visible(painting.paints, painting.clips, painting.dashes, painting.groups);
   std::vector<Stroke> strokes;
   for (Paint& paint : painting.paints) {
     std::move(paint.strokes.begin(), paint.strokes.end(), std::back_inserter(strokes));
@@ -209,7 +209,7 @@ void look_at(Painting painting, bool as_painted, Artwork& artwork) {
   }
   if (shared->hidden.in_part)
     artwork.warnings.push_back(
-        "so many wide strokes that what lies beneath some of them is drawn, too");
+        "so much lies over one another that some of what is hidden is drawn, too");
   if (!as_painted && shared->clips.size() > 1)
     artwork.warnings.push_back("clip paths and masks are passed over: what they hide is drawn");
 }
@@ -266,7 +266,7 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
                     settings.tolerance_mm, settings.relative_tolerance, settings.turn));
   }
   const auto free_svg = [](const ImpedrawSvg* svg) { impedraw_svg_free(svg); };
-  const std::unique_ptr<const ImpedrawSvg, decltype(free_svg)> svg(
+  const std::shared_ptr<const ImpedrawSvg> svg(
       (settings.single_font.empty() ? impedraw_svg_read : impedraw_svg_letters)(
           reinterpret_cast<const std::uint8_t*>(document.data()), document.size()),
       free_svg);
@@ -297,6 +297,9 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
   painting.clips.push_back({-1, false, {{{{page_outline(artwork.page)}}}}});
   for (std::size_t i = 0; i < svg->clip_count; ++i)
     painting.clips.push_back({clip_of(svg->clips[i].parent), svg->clips[i].mask != 0, {}});
+  for (std::size_t i = 0; i < svg->group_count; ++i)
+    painting.groups.push_back({static_cast<int>(svg->groups[i].parent) - 1, svg->groups[i].opacity,
+                               svg->groups[i].blend});
   const std::map<std::uint32_t, int> by_colour = colour_layers(*svg, settings.layers);
   if (!by_colour.empty()) {
     artwork.layers.resize(by_colour.size());
@@ -344,18 +347,26 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
              fills,
              path->hides != IMPEDRAW_SVG_NOTHING && !veil,
              path->hides_from};
-    if (veil) paint.veil = path->alpha;
-    paint.fades = path->fades;
+    paint.veil = veil;
     paint.clip = clip;
-    paint.clears = path->hides == IMPEDRAW_SVG_EDGE;
     paint.round = path->caps;
-    paint.plain = path->plain_fill;
-    paint.plain_strokes = path->plain_stroke;
+    paint.soft = path->soft;
+    paint.opacity = path->opacity, paint.stroke_opacity = path->stroke_opacity;
+    paint.group = static_cast<int>(path->group) - 1;
+    paint.shaded = path->shaded[0], paint.shaded_strokes = path->shaded[1];
+    if (paint.shaded || paint.shaded_strokes) {
+      paint.shade = [svg, index = path - svg->paths](const Vector2d& p, bool of_stroke) {
+        float rgba[4];
+        impedraw_svg_shade(svg.get(), static_cast<std::size_t>(index), of_stroke, p.x(), p.y(),
+                           rgba);
+        return Tint(rgba[0], rgba[1], rgba[2], rgba[3]);
+      };
+    }
     if (strokes && path->covers) paint.covers_from = path->covers_from;
     paint.area.layer = layer_of(path->fill, paint.area.layer);
     const bool ground = !eraser && is_ground(lines, *path, artwork.page);
     left_out.grounds += ground;
-    if (eraser || ground) continue;
+    if (eraser || ground || paint.soft > 0) continue;
     if (as_painted && !strokes && !fills) {
       ++left_out.white;
       continue;

@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "impedraw/drawing/clip_regions.h"
+#include "impedraw/drawing/colours.h"
 #include "impedraw/drawing/covers.h"
 #include "impedraw/drawing/dashes.h"
 #include "impedraw/drawing/line_pieces.h"
-#include "impedraw/drawing/looks.h"
 #include "impedraw/drawing/polyline.h"
 #include "impedraw/drawing/veils.h"
 
@@ -21,9 +19,14 @@ namespace {
 
 using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
-constexpr double kHair = 3e-6;           // width of a border, relative to the drawing's diagonal
-constexpr double kCrossing = 1.0 / 300;  // of the diagonal: hidden by a stroke that it crosses
-constexpr double kSeam = 10;             // hairs beside a border that one colour has to fill
+constexpr double kHair = 3e-6;            // width of a border, relative to the drawing's diagonal
+constexpr double kCrossing = 1.0 / 300;   // of the diagonal: hidden by a stroke that it crosses
+constexpr double kReach = 2.5;            // of a blur, in deviations
+constexpr double kSeam = 10;              // hairs beside an edge, where its colours are compared
+constexpr double kSame = 12.0 / 255;      // change of a channel that is no line
+constexpr double kHairline = 30.0 / 255;  // of a screen's hairline between areas side by side
+constexpr double kUpright = 1e-4;         // direction of an edge that may lie between pixels
+constexpr double kLook = 1.0 / 1500;      // of the diagonal: between places that are compared
 constexpr std::size_t kMostCovering = 100'000;    // points of strokes that hide others
 constexpr std::size_t kMostCompared = 2'000'000;  // points of strokes over the paints
 constexpr double kMostReach = 2;                  // of a stroke beside its line, in widths: mitres
@@ -34,8 +37,9 @@ using Shown = ClipRegions::Shown;
 
 class Eye {
  public:
-  Eye(std::vector<Paint>& paints, const std::vector<Clip>& clips, std::vector<Dash>& dashes,
-      const AlignedBox2d& all, const AlignedBox2d& ink)
+  Eye(std::vector<Paint>& paints, const std::vector<Clip>& clips,
+      const std::vector<PaintGroup>& groups, std::vector<Dash>& dashes, const AlignedBox2d& all,
+      const AlignedBox2d& ink)
       : paints_(paints),
         dashes_(dashes),
         math_(all),
@@ -43,20 +47,18 @@ class Eye {
         hair_(std::max(kHair * ink.diagonal().norm(), all.diagonal().norm() > 1e4 ? 2e-4 : 1e-7)),
         touch_(3 * std::sqrt(hair_ * ink.diagonal().norm())),
         crossing_(kCrossing * ink.diagonal().norm()),
+        look_(kLook * ink.diagonal().norm()),
         covers_(ink),
         covering_(ink),
         veils_(hair_, crossing_),
-        shown_(paints.size()) {
+        colours_(paints, groups, clips_, all, crossing_) {
     for (const Paint& paint : paints) {
       beneath_.push_back(beneath_.empty() ? AlignedBox2d() : beneath_.back().merged(boxes_.back()));
       boxes_.push_back(outlines_box(paint.area.outlines).merged(bounds_of(paint.strokes)));
-      for (const Stroke& stroke : paint.strokes) colours_.insert(looks_.of(stroke.colour));
-      cuts_ = cuts_ || paint.clip >= 0 || (paint.hides && !paint.inked);
     }
     bool any = false;
     for (std::size_t i = paints.size(); i-- > 0;) {
-      if (paints[i].inked && !paints[i].area.outlines.empty())
-        first_area_ = i, filled_.insert(looks_.of(paints[i].area.colour));
+      if (paints[i].inked && !paints[i].area.outlines.empty()) first_area_ = i;
       if (paints[i].strokes.empty()) continue;
       const std::uint32_t colour = paints[i].strokes.front().colour;
       if (any && colour != first_colour_) first_other_ = i + 1;
@@ -66,16 +68,18 @@ class Eye {
 
   Hidden look() {
     for (std::size_t i = paints_.size(); i-- > 0;) look_at(i);
-    drop_seams();
     for (auto& [index, edge] : veil_edges_) paints_[index].strokes.push_back(std::move(edge));
-    return {std::max(0.0, hidden_), offset_ > kMostCovering || compared_ >= kMostCompared};
+    for (std::size_t i = 0; i < paints_.size(); ++i) drop_unseen(i);
+    return {std::max(0.0, hidden_),
+            in_part_ || offset_ > kMostCovering || compared_ >= kMostCompared};
   }
 
  private:
   void look_at(std::size_t index) {
     clips_.forget();
     Paint& paint = paints_[index];
-    AlignedBox2d box = boxes_[index];
+    if (paint.soft > 0) spread(paint);
+    AlignedBox2d box = paint.soft > 0 ? outlines_box(paint.area.outlines) : boxes_[index];
     const Shown* clip = paint.clip < 0 ? nullptr : &clips_.of(paint.clip);
     // A part that only touches the clip's edge, as much does the page's, is whole, too.
     const Vector2d edge = Vector2d::Constant(hair_).cwiseMin(0.5 * box.sizes());
@@ -97,35 +101,34 @@ class Eye {
     const std::vector<int> strokes = compared_ < kMostCompared && !box.isEmpty()
                                          ? covering_.over(box, index)
                                          : std::vector<int>{};
-    if (paint.veil > 0) return add_veil(paint, clip, over, strokes, box);
+    if (paint.veil) return add_veil(paint, clip, over, strokes, box);
     const bool cut = clip || !over.empty() || !strokes.empty();
     Outlines filled;  // what the clip leaves of the area
     const bool hides = paint.hides && box.intersects(beneath_[index]);
-    const bool plain =
-        paint.plain && paint.inked && (cuts_ || colours_.contains(looks_.of(paint.area.colour)));
     const bool veiled = (paint.inked || (paint.hides && !paint.hides_from)) && veils_.reach(box);
-    if (!paint.area.outlines.empty() && (cut || hides || plain || veiled || paint.fades))
-      filled = math_.region(paint.area);
+    if (!paint.area.outlines.empty() && (cut || hides || veiled)) filled = math_.region(paint.area);
     const Outlines whole = filled, cover = covers_.united(math_, over, {}, box);
     if (clip && !filled.empty()) filled = math_.common(filled, clip->region);
     std::optional<Outlines> seen;
     if (cut) seen = cut_lines(paint, whole, filled, clip, over, strokes, cover, box);
     if (veiled && !filled.empty()) {
       Stroke line{{}, false, paint.area.layer, -1, true, paint.area.colour};
-      for (LinePiece& piece : veils_.take(filled, paint.inked ? line.colour : 0xffffff))
+      for (LinePiece& piece : veils_.take(filled))
         veil_edges_.emplace_back(index, like(line, std::move(piece.points)));
     }
-    if (paint.fades && !filled.empty()) veils_.add_shadow(&paint, paint.area.colour, filled);
-    if (!paint.hides || filled.empty()) return;
-    Outlines rest = cover.empty() ? filled : math_.without(filled, cover);
-    if (hides && !rest.empty())
-      covers_.add({std::move(filled),
-                   {},
-                   paint.inked || paint.clears,
-                   paint.hides_from,
-                   0,
-                   std::move(seen)});
-    if (plain) shown_[index] = std::move(rest);
+    if (!hides || filled.empty() || (!cover.empty() && math_.without(filled, cover).empty()))
+      return;
+    covers_.add({std::move(filled), {}, paint.inked, paint.hides_from, 0, std::move(seen)});
+  }
+
+  // As far as the blur reaches.
+  void spread(Paint& paint) const {
+    Outlines reach = math_.region(paint.area);
+    for (const auto& outline : paint.area.outlines) {
+      for (auto& around : math_.stroked(outline, 2 * kReach * paint.soft, true, true))
+        reach.push_back(std::move(around));
+    }
+    paint.area = {math_.united(reach), false, paint.area.layer, paint.area.colour};
   }
 
   // Keeps the veil's edge, where nothing hides it, for what lies beneath.
@@ -143,7 +146,7 @@ class Eye {
       Stroke edge{std::move(outline), true};
       std::vector<Stroke> kept;
       keep(edge, uncovered(pieces_of(edge, indices, is_seen), under), kept);
-      veils_.add(kept, paint.veil);
+      veils_.add(kept);
     }
   }
 
@@ -207,7 +210,8 @@ class Eye {
       is_cut = is_cut || !pieces_of(outlines.back(), {&core}, is_new).empty();
     }
     for (const Stroke& edge : edges) hidden_ += length(edge.points);
-    for (const Stroke& edge : !is_cut ? edges : lines.empty() ? outlines : std::vector<Stroke>{}) {
+    const bool only_new = !lines.empty() || paint.soft > 0;
+    for (const Stroke& edge : !is_cut ? edges : only_new ? std::vector<Stroke>{} : outlines) {
       std::vector<Stroke> kept;
       keep(edge, uncovered(pieces_of(edge, {&edged}, is_seen), under_all), kept);
       for (Stroke& stroke : kept) {
@@ -216,8 +220,8 @@ class Eye {
         paint.strokes.push_back(std::move(stroke));
       }
     }
-    // Beside a stroke of its own only what is new needs an edge.
-    if (is_cut && !lines.empty()) {
+    // Beside a stroke of its own, and of what is blurred, only what is new needs an edge.
+    if (is_cut && only_new) {
       for (const Stroke& edge : outlines) {
         const auto both = [&](const Spot& spot) { return is_seen(spot) && is_new(spot); };
         keep(edge, uncovered(pieces_of(edge, {&edged, &core}, both), under_all), paint.strokes);
@@ -285,69 +289,49 @@ class Eye {
       if (stroke.edge || stroke.dash >= 0 || !(stroke.width > 30 * hair_)) continue;
       const bool hides = is_cut && !(first_area_ > index && first_other_ >= index &&
                                      stroke.colour == first_colour_);
-      // Edges may cross a thin one.
-      const bool banded = paint.plain_strokes && stroke.width > crossing_ &&
-                          filled_.contains(looks_.of(stroke.colour));
-      if (!hides && !banded) continue;
+      if (!hides) continue;
       offset_ += stroke.points.size();
       if (offset_ > kMostCovering) return;
       Outlines region = math_.stroked(stroke.points, stroke.width, stroke.closed, paint.round);
       if (clip) region = math_.common(region, clip->region);
       if (region.empty()) continue;
-      if (banded) add_band(region, index, looks_.of(stroke.colour));
-      if (hides) covering_.add({std::move(region), {}, true, paint.covers_from, stroke.colour});
+      covering_.add({std::move(region), {}, true, paint.covers_from, stroke.colour});
     }
   }
 
-  // What shows of a stroke in whose colour areas are filled, too.
-  void add_band(Outlines band, std::size_t index, std::uint32_t colour) {
-    const AlignedBox2d box = outlines_box(band);
-    const Outlines cover = covers_.united(math_, covers_.over(box, index), {}, box);
-    if (!cover.empty()) band = math_.without(band, cover);
-    std::move(band.begin(), band.end(), std::back_inserter(bands_[colour]));
-  }
-
-  // Leaves out edges and strokes that lie within an area of their own colour, and edges within a
-  // stroke of it.
-  void drop_seams() {
-    std::map<std::uint32_t, Outlines> by_colour;
-    for (std::size_t i = 0; i < paints_.size(); ++i) {
-      if (shown_[i].empty()) continue;
-      Outlines& all = by_colour[looks_.of(paints_[i].area.colour)];
-      std::move(shown_[i].begin(), shown_[i].end(), std::back_inserter(all));
-    }
-    std::map<std::uint32_t, RegionIndex> indices, of_edges;
-    for (const auto& [colour, region] : by_colour) indices.emplace(colour, region);
-    for (auto& [colour, region] : bands_) {
-      const Outlines& areas = by_colour[colour];
-      region.insert(region.end(), areas.begin(), areas.end());
-      of_edges.emplace(colour, region);
-    }
-    for (Paint& paint : paints_) {
-      std::vector<Stroke> kept;
-      for (Stroke& stroke : paint.strokes) {
-        if (paint.fades && stroke.edge) {
-          hidden_ += length(stroke.points) -
-                     keep(stroke, veils_.apart(&paint, stroke, kSeam * hair_), kept);
-          continue;
-        }
-        const std::uint32_t look = looks_.of(stroke.colour);
-        const auto& any = stroke.edge && of_edges.contains(look) ? of_edges : indices;
-        const auto found = any.find(look);
-        if (found == any.end() || found->second.empty() ||
-            !(stroke.edge ? paint.plain : paint.plain_strokes) ||
-            (paint.inked && !paint.hides && paint.area.colour != stroke.colour)) {
-          kept.push_back(std::move(stroke));
-          continue;
-        }
-        const double side = stroke.edge ? kSeam * hair_ : stroke.width / 2 + kSeam * hair_;
-        const auto is_seen = [&](const Spot& spot) { return !spot.within(found->second); };
-        hidden_ +=
-            length(stroke.points) -
-            keep(stroke, visible_pieces(stroke.points, side, {&found->second}, is_seen), kept);
+  // Leaves out the parts of edges and strokes beside which the colours are the same.
+  void drop_unseen(std::size_t index) {
+    clips_.forget();
+    std::vector<Stroke> kept;
+    for (Stroke& stroke : paints_[index].strokes) {
+      if (!stroke.edge && !(stroke.width > 0)) {
+        kept.push_back(std::move(stroke));
+        continue;
       }
-      paint.strokes = std::move(kept);
+      const int own = stroke.edge ? -1 : static_cast<int>(index);
+      const auto at = [&](const Vector2d& p, bool with_own) {
+        return colours_.at(p, own, stroke.colour, with_own);
+      };
+      const double beside = kSeam * hair_ + (stroke.edge ? 0 : stroke.width / 2);
+      const auto is_seen = [&](const Vector2d& p, const Vector2d& along) {
+        const Vector2d side = beside * Vector2d(-along.y(), along.x());
+        const Vector2d near = (kSeam * hair_ / beside) * side;
+        const auto a = at(p + side, false), b = at(p - side, false);
+        const auto ink_a = stroke.edge ? b : at(p + near, true),
+                   ink_b = stroke.edge ? a : at(p - near, true);
+        if (!a || !b || !ink_a || !ink_b) return in_part_ = true;
+        const auto differ = [](const Tint& one, const Tint& other, double least) {
+          return ((one - other).abs() >= least).any();
+        };
+        if (differ(*ink_a, *a, kSame) || differ(*ink_b, *b, kSame)) return true;
+        if (!stroke.edge || along.cwiseAbs().minCoeff() < kUpright) return false;
+        const auto between = colours_.at(p, -1, 0, false, 2.5 * side);
+        return !between || differ(*between, *a, kHairline);
+      };
+      hidden_ +=
+          length(stroke.points) - keep(stroke, pieces_where(stroke.points, look_, is_seen), kept);
     }
+    paints_[index].strokes = std::move(kept);
   }
 
   // Beside a hidden line, draws the middle of what still shows, as wide as it is painted.
@@ -464,26 +448,24 @@ class Eye {
   double hair_;      // half the width of a border [mm]
   double touch_;     // longest part of a tangent to an arc that lies in the border [mm]
   double crossing_;  // longest part beneath a stroke that merely crosses it [mm]
+  double look_;      // between places that are compared [mm]
   Covers covers_;
   Covers covering_;  // by strokes
   Veils veils_;
-  Looks looks_;
+  Colours colours_;  // of what was painted, before anything is cut
   std::vector<std::pair<std::size_t, Stroke>> veil_edges_;  // and the paint that each lies on
-  std::vector<Outlines> shown_;                     // of each paint's area, where it is plain
-  std::size_t offset_ = 0, compared_ = 0;           // points of strokes
+  std::size_t offset_ = 0, compared_ = 0;                   // points of strokes
   std::size_t first_area_ = -1, first_other_ = -1;  // paints with ink, and with a second colour
   std::uint32_t first_colour_ = 0;
   std::vector<AlignedBox2d> boxes_, beneath_;  // of each paint, and of all before it
-  std::set<std::uint32_t> colours_, filled_;   // of strokes; of areas
-  std::map<std::uint32_t, Outlines> bands_;    // of wide strokes, by their colour
-  bool cuts_ = false;                          // something may give an area a new edge
+  bool in_part_ = false;
   mutable double hidden_ = 0;
 };
 
 }  // namespace
 
 Hidden keep_visible(std::vector<Paint>& paints, const std::vector<Clip>& clips,
-                    std::vector<Dash>& dashes) {
+                    std::vector<Dash>& dashes, const std::vector<PaintGroup>& groups) {
   AlignedBox2d ink, all;
   for (const Paint& paint : paints) {
     all.extend(outlines_box(paint.area.outlines));
@@ -493,7 +475,7 @@ Hidden keep_visible(std::vector<Paint>& paints, const std::vector<Clip>& clips,
   for (const Clip& clip : clips) {
     for (const ClipShape& shape : clip.shapes) all.extend(outlines_box(shape.area.outlines));
   }
-  return ink.isEmpty() ? Hidden() : Eye(paints, clips, dashes, all, ink).look();
+  return ink.isEmpty() ? Hidden() : Eye(paints, clips, groups, dashes, all, ink).look();
 }
 
 }  // namespace impedraw

@@ -5,17 +5,20 @@
 // clip or something white cuts it. Where a later area that is inked hides it, that one's own edge
 // is drawn instead. A line along the border of an area that hides is visible, as half of it is; one
 // along the border of its clip too. Lines on the border are told apart from lines in it by 3e-6 of
-// the drawing's diagonal. An edge or stroke within one colour is not seen, nor an edge within a
-// wide stroke of its colour. A stroke hides what lies beneath its width, but for strokes of its own
-// colour and for what merely crosses it, up to 1/300 of the diagonal. Uncut lines and areas are
-// returned as they came. Where a stroke's centre line is hidden and its rim is not (a road's
-// casing), the middle of the rim is drawn.
+// the drawing's diagonal. An edge or stroke is seen where the colours beside it differ: those that
+// all paints give there, with their gradients and opacities (colours.h); and a slanted border
+// between areas of one colour, where a screen shows a hairline. A stroke hides what lies beneath
+// its width, but for strokes of its own colour and for what merely crosses it, up to 1/300 of the
+// diagonal. Uncut lines and areas are returned as they came. Where a stroke's centre line is hidden
+// and its rim is not (a road's casing), the middle of the rim is drawn.
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "impedraw/drawing/clip_regions.h"
+#include "impedraw/drawing/colours.h"
 #include "impedraw/drawing/regions.h"
 #include "impedraw/drawing/stroke.h"
 
@@ -27,24 +30,28 @@ struct Paint {
   bool inked = false;                // the area is; else it is white
   bool hides = false;  // the area hides the paints from hides_from on, before this one
   std::size_t hides_from = 0;
-  bool plain = false, plain_strokes = false;  // the area, the strokes are of one opaque colour
-  bool clears = false;                        // the area hides edges and has none of its own
-  bool round = false;                         // the strokes' caps are
+  // Without that of groups; of a white area whose edge alone counts, 0.
+  double opacity = 1, stroke_opacity = 1;
+  // Of the gradients of area and strokes, if they have one.
+  std::function<Tint(const Eigen::Vector2d&, bool of_stroke)> shade = {};
+  bool shaded = false, shaded_strokes = false;
+  int group = -1;      // around it; −1: none
+  double soft = 0;     // deviation of a blur [mm]: the area has edges only where something cuts it
+  bool round = false;  // the strokes' caps are
   std::size_t covers_from = -1;  // the strokes hide the paints from there on, before this one
   int clip = -1;                 // that cuts it; −1: none
-  double veil = 0;               // opacity of a white area whose edge is seen on what it lets show
-  bool fades = false;            // the area is a shadow, of one colour and clear somewhere
+  bool veil = false;             // a white area whose edge is seen on what it lets show
 };
 
 struct Hidden {
   double length = 0;  // of strokes [mm]
-  // Wide strokes were so many that the rest of them hid nothing.
+  // So much lies over one another that not all was looked at.
   bool in_part = false;
 };
 
 // Cuts the strokes and areas of the paints. Cut dashed strokes get dashes of their own, so that the
 // pattern runs on. Returns what is hidden. InputError: outlines cross too often.
 Hidden keep_visible(std::vector<Paint>& paints, const std::vector<Clip>& clips,
-                    std::vector<Dash>& dashes);
+                    std::vector<Dash>& dashes, const std::vector<PaintGroup>& groups = {});
 
 }  // namespace impedraw

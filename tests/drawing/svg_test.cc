@@ -374,9 +374,11 @@ TEST(Svg, FiltersAndOpacityAreTold) {
                  line + "filter='url(#f)'/>" + "<g transform='scale(2)'>" + line + "/></g>")
           .warnings,
       (std::vector<std::string>{
-          "1 filters (blur, shadow and the like) are passed over",
-          "2 shapes or groups are partly transparent: drawn as if they were not",
-          "51.0 mm of lines lie on others: drawn once"}));
+          "1 blurred shapes have no edge: drawn only where something cuts them",
+          "2 shapes or groups are partly transparent: drawn as if they were not"}));
+  const std::string shadow = "<filter id='f'><feDropShadow/></filter>";
+  EXPECT_EQ(on_mm_page(shadow + line + "filter='url(#f)'/>").warnings,
+            (std::vector<std::string>{"1 filters (shadow, light and the like) are passed over"}));
 }
 
 // A page with one line of 40 mm and `more`: what is drawn of it [mm], and the one warning.
@@ -482,6 +484,35 @@ TEST(Svg, AReplacedFontIsNamed) {
   if (a.strokes.size() == 1) GTEST_SKIP() << "no font on this system";
   ASSERT_EQ(a.warnings.size(), 1u);
   EXPECT_TRUE(a.warnings[0].starts_with("the font 'No Such Font' is not installed: replaced by '"));
+}
+
+// As Mermaid writes them; draw.io adds a text for who cannot read HTML.
+TEST(Svg, LabelsInHtmlAreDrawn) {
+  const auto label = [](int height) {
+    return fmt::format(
+        "<foreignObject x='10' y='10' width='80' height='{}'><div style='line-height:1.5;"
+        "text-align:center'><span><p>H &amp; i</p></span></div></foreignObject>",
+        height);
+  };
+  const std::string line = "<path d='M0 90H7' stroke='red'/>";
+  const Artwork a = on_mm_page(line + label(24));
+  if (a.strokes.size() == 1) GTEST_SKIP() << "no font on this system";
+  EXPECT_TRUE(a.warnings.empty());
+  Eigen::AlignedBox2d box;
+  for (std::size_t i = 1; i < a.strokes.size(); ++i) {
+    for (const Vector2d& p : a.strokes[i].points) box.extend(p);
+  }
+  EXPECT_NEAR(box.center().x(), 50, 1);
+  EXPECT_NEAR(box.max().y(), 10 + 3 + 14, 0.5) << "baseline";
+  const Artwork wrapped = on_mm_page(line + label(48));
+  EXPECT_EQ(wrapped.strokes.size(), 1u);
+  EXPECT_EQ(wrapped.warnings,
+            (std::vector<std::string>{
+                "1 × <foreignObject>: text in HTML that is not one plain label is left out"}));
+  const Artwork either =
+      on_mm_page(line + "<switch>" + label(48) + "<text x='9' y='50'>H</text></switch>");
+  EXPECT_GT(either.strokes.size(), 1u);
+  EXPECT_TRUE(either.warnings.empty());
 }
 
 TEST(Svg, MarkersAndPatternsAreDrawn) {

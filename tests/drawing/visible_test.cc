@@ -101,7 +101,8 @@ TEST(Visible, AWhiteVeilHasAnEdgeOnWhatIsColoured) {
   const std::string veil = "<rect x='30' y='30' width='40' height='20' fill='white' opacity='.5'/>",
                     cover = "<rect x='25' y='20' width='25' height='20' fill='#400'/>";
   EXPECT_NEAR(inked(ground("#024") + veil), 240 + 60, 1e-3);
-  EXPECT_NEAR(inked(ground("#eef") + veil), 240, 1e-3) << "too pale";
+  EXPECT_NEAR(inked(ground("#eef") + veil), 220, 1e-3)
+      << "too pale, as is the ground's edge beneath";
   EXPECT_NEAR(inked(veil + ground("#024")), 240, 1e-3) << "beneath";
   EXPECT_NEAR(inked(ground("#024") + veil + cover), 240 + 70 + 30, 1e-3);
   EXPECT_NEAR(inked(ground("#024") + "<path d='M30 40H40' stroke='#fff' stroke-width='4' "
@@ -115,6 +116,38 @@ TEST(Visible, ColoursThatLookAlikeHaveNoEdgeBetweenThem) {
               1e-3);
   EXPECT_NEAR(inked(one + "<rect x='50' y='10' width='40' height='40' fill='#ca4d3c'/>"), 280,
               1e-3);
+}
+
+// Against the stops: the gradient has the ground's colour at x = 50, and within 4.7 mm of it
+// differs by less than 12 of 255.
+TEST(Visible, AnEdgeEndsWhereAGradientHasTheColourBeneath) {
+  const double there = inked(
+      "<linearGradient id='g' gradientUnits='userSpaceOnUse' x1='0' x2='100' y1='0' y2='0'>"
+      "<stop stop-color='black'/><stop offset='1' stop-color='white'/></linearGradient>"
+      "<path fill='#808080' d='M-9 0H109V100H-9z'/><path fill='url(#g)' d='M20 40H80V60H20z'/>");
+  EXPECT_NEAR(there - inked("<path fill='#808080' d='M-9 0H109V100H-9z'/>"), 160 - 4 * 12 / 2.55,
+              0.5);
+}
+
+// A screen shows a hairline where areas of one colour lie side by side, but not along its pixels.
+TEST(Visible, BordersWithinOneColourAreDrawnIfTheyAreSlanted) {
+  const std::string west = "<path fill='#262' d='M10 10H50L60 90H10z'/>",
+                    east = "<path fill='#262' d='M50 10H90V90H60z'/>";
+  EXPECT_NEAR(inked(west + east), 320 + std::hypot(10, 80), 0.3);
+}
+
+TEST(Visible, WhatIsBlurredHasAnEdgeWhereAClipCutsIt) {
+  const std::string blur =
+                        "<filter id='f' x='-2' y='-2' width='5' height='5'><feGaussianBlur "
+                        "stdDeviation='9'/></filter>",
+                    soft = "<circle cx='50' cy='50' r='30' filter='url(#f)'/>";
+  const std::string line = "<path d='M0 99H9' stroke='red'/>";
+  EXPECT_NEAR(inked(blur + line + soft), 9, 1e-3);
+  EXPECT_NEAR(inked(blur + line +
+                    "<clipPath id='c'><path d='M45 45h9v9h-9z'/></clipPath><g "
+                    "clip-path='url(#c)'>" +
+                    soft + "</g>"),
+              9 + 36, 0.1);
 }
 
 // As icons have them: the shadow of a box is one of its middle and two of its ends.

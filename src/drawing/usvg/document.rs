@@ -1,6 +1,6 @@
 //! Prepares the document for usvg: character encoding, numbers, layers.
 
-use crate::transforms;
+use crate::{labels, transforms};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -140,11 +140,13 @@ pub fn style_sheets<'a, 'i>(xml: &'a Document<'i>) -> impl Iterator<Item = Node<
 }
 
 /// Puts into usvg's words what it does not know: lengths in quarter-millimetres (40Q, a CSS unit),
-/// transforms of CSS, and declarations without a value, behind which it would read none. None: the
+/// transforms of CSS, labels in HTML, and declarations without a value, behind which it would read none. None: the
 /// document has none.
 pub fn in_known_words(text: &str, xml: &Document) -> Option<String> {
-    let mut inserts = Vec::new();
-    for attribute in xml.descendants().flat_map(|n| n.attributes()).filter(|a| a.namespace().is_none()) {
+    let mut inserts: Vec<_> = labels::of(xml).filter_map(|label| Some((label.range(), labels::as_text(label)?))).collect();
+    let in_label = |n: &Node| n.ancestors().any(|a| a.tag_name().name() == "foreignObject");
+    let has_labels = !inserts.is_empty();
+    for attribute in xml.descendants().filter(|n| !has_labels || !in_label(n)).flat_map(|n| n.attributes()).filter(|a| a.namespace().is_none()) {
         if attribute.name() == "style" {
             let has_value = |part: &&str| part.split_once(':').is_none_or(|(_, value)| !value.trim().is_empty());
             let kept = attribute.value().split(';').filter(has_value).collect::<Vec<_>>().join(";");

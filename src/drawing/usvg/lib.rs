@@ -8,6 +8,7 @@
 //! servers.rs     what patterns and gradients draw
 //! texts.rs       fonts and letters
 //! transforms.rs  transforms of CSS
+//! labels.rs      labels in HTML
 //! references.rs  what the document refers to and does not hold
 //! font.rs        SVG 1.1 fonts
 //! font_face.rs   fonts that the document holds
@@ -18,6 +19,7 @@ mod document;
 mod dtd;
 mod font;
 mod font_face;
+mod labels;
 mod limits;
 mod outlines;
 mod paints;
@@ -26,7 +28,7 @@ mod servers;
 mod texts;
 mod transforms;
 
-use outlines::{Outlines, SvgClip, SvgPath};
+use outlines::{Outlines, SvgClip, SvgGroup, SvgPath};
 use std::ffi::{c_char, CString};
 
 #[repr(C)]
@@ -38,6 +40,8 @@ pub struct Svg {
     path_count: usize,
     clips: *const SvgClip,
     clip_count: usize,
+    groups: *const SvgGroup,
+    group_count: usize,
     verbs: *const u8,
     points: *const f64,
     dashes: *const f64,
@@ -104,6 +108,8 @@ unsafe fn read_with(data: *const u8, size: usize, reader: fn(&[u8]) -> Result<Ou
         path_count: outlines.paths.len(),
         clips: outlines.clips.as_ptr(),
         clip_count: outlines.clips.len(),
+        groups: outlines.groups.as_ptr(),
+        group_count: outlines.groups.len(),
         verbs: outlines.verbs.as_ptr(),
         points: outlines.points.as_ptr(),
         dashes: outlines.dashes.as_ptr(),
@@ -120,6 +126,14 @@ unsafe fn read_with(data: *const u8, size: usize, reader: fn(&[u8]) -> Result<Ou
     svg.warnings = svg.pointers[layer_count..].as_ptr();
     debug_assert_eq!(svg.path_count, svg.outlines.paths.len());
     Box::into_raw(svg)
+}
+
+/// # Safety
+/// `svg` must come from `impedraw_svg_read`, and `rgba` point to four numbers.
+#[no_mangle]
+pub unsafe extern "C" fn impedraw_svg_shade(svg: *const Svg, path: usize, of_stroke: u8, x: f64, y: f64, rgba: *mut f32) {
+    let shade = (*svg).outlines.shade(path, of_stroke != 0, x, y);
+    std::ptr::copy_nonoverlapping(shade.as_ptr(), rgba, 4);
 }
 
 /// # Safety

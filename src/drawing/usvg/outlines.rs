@@ -1,19 +1,19 @@
 //! Converts usvg's tree to paths on the page, in millimetres.
 
-use crate::{complaints, document, dtd, font_face, paints, references, texts};
+use crate::{complaints, document, dtd, font_face, labels, paints, references, texts};
 use std::collections::HashMap;
 use std::sync::Arc;
 use usvg::tiny_skia_path::{PathBuilder, PathSegment, PathStroker, Point, Rect};
+use usvg::filter::{Input, Kind, Primitive};
 use usvg::{fontdb, BlendMode, ClipPath, FillRule, Group, ImageHrefResolver, ImageKind, LineCap, Mask, MaskType, Node, Options};
 use usvg::{Opacity, Paint, PaintOrder, Path, Stroke, Transform, Tree};
 
 const MM_PER_PX: f64 = 25.4 / 96.0;
 const MOST_POINTS: usize = 4_000_000; // nested uses multiply without bound
 const OPAQUE: f32 = 0.84; // what is not more opaque lets black show through as a visible grey
-const PLAIN: f32 = 0.99; // what is more opaque shows its own colour alone
+const SOFT: f64 = 1.0 / 300.0; // of the page's longer side: what is blurred by more has no line
 
-// Style sheets that no rule of the document overrides. A pen draws no filter, and usvg would drop
-// what has one that is missing or empty.
+// Style sheets that no rule of the document overrides.
 const NO_FILTERS: &str = "* { filter: none !important }";
 const NO_CLIPS: &str = "* { clip-path: none !important; mask: none !important }";
 const ALL_SHOWN: &str = "* { display: inline !important }";
@@ -28,7 +28,6 @@ pub enum Hides {
     Nothing,
     Beneath,
     WhiteStroke,
-    Edge,
     Veil,
 }
 
@@ -48,9 +47,11 @@ pub struct SvgPath {
     pub hides_from: usize,
     pub covers: u8,
     pub covers_from: usize,
-    pub plain_fill: u8,
-    pub plain_stroke: u8,
-    pub fades: u8,
+    pub group: u32,
+    pub soft: f64,
+    pub opacity: f32,
+    pub stroke_opacity: f32,
+    pub shaded: [u8; 2],
     pub clip: u32,
     pub shapes: u32,
     pub value: f32,
@@ -68,6 +69,13 @@ pub struct SvgClip {
     pub mask: u8,
 }
 
+#[repr(C)]
+pub struct SvgGroup {
+    pub parent: u32,
+    pub opacity: f32,
+    pub blend: u8,
+}
+
 #[derive(Default)]
 pub struct Outlines {
     pub size: (f64, f64),
@@ -82,8 +90,13 @@ pub struct Outlines {
     marked: document::Marked,
     seen: HashMap<String, u32>,     // layers with a path, by their group's id
     clip_numbers: HashMap<(usize, [u32; 6], u32), u32>,
-    pub groups: Vec<(f32, usize)>,  // that stand open: opacity, and the first path within
+    pub groups: Vec<SvgGroup>,
+    open: Vec<(f32, usize)>,        // groups that stand open: opacity, and the first path within
+    group: u32,                     // the innermost of them, in `groups` from 1
+    blur: f32,                      // of what is put [px]
+    shades: HashMap<(usize, bool), (Paint, Transform)>, // gradients of paths and their strokes, from mm to their unit
     filters: usize,
+    soft: usize,                    // shapes that are too blurred to have a line
     spared: usize,                  // shapes that a filter would hide, as it is missing or empty
     hidden: usize,                  // shapes that are painted and do not show
     patterned: usize,               // painted with a pattern that is left out
@@ -120,6 +133,22 @@ fn stroked_area(path: &Path, stroke: &Stroke, ts: Transform) -> Option<usvg::tin
     }
 }
 
+/// How much a filter blurs what it gets, by the way that blurs it least: a shadow beside the source leaves
+/// it sharp.
+fn blur_of(primitives: &[Primitive]) -> f32 {
+    let mut blurs: Vec<f32> = Vec::new();
+    for (i, primitive) in primitives.iter().enumerate() {
+        let kind = primitive.kind();
+        let from = |input: Input, blur: f32| kind.has_input(&input).then_some(blur);
+        let sources = [from(Input::SourceGraphic, 0.0), from(Input::SourceAlpha, 0.0)].into_iter();
+        let before = (0..i).map(|k| from(Input::Reference(primitives[k].result().to_string()), blurs[k]));
+        let least = sources.chain(before).flatten().reduce(f32::min).unwrap_or(f32::INFINITY);
+        let more = if let Kind::GaussianBlur(blur) = kind { blur.std_dev_x().get().max(blur.std_dev_y().get()) } else { 0.0 };
+        blurs.push(least + more);
+    }
+    blurs.last().copied().unwrap_or(0.0)
+}
+
 fn drawing_of(kind: &str, data: Arc<Vec<u8>>, options: &Options) -> Option<ImageKind> {
     (kind == "image/svg+xml").then(|| ImageHrefResolver::default_data_resolver()(kind, data, options))?
 }
@@ -146,13 +175,16 @@ impl Outlines {
         outlines.marked = marked;
         for (tags, consequence) in [
             (&["image"][..], "pictures are left out: a pen draws lines only"),
-            (&["foreignObject"], "foreign objects are left out"),
             (&["animate", "animateTransform", "animateMotion", "animateColor", "set"], "animations are left out: drawn as it is without them"),
         ] {
             match tags.iter().map(|tag| document::count(&xml, tag)).sum() {
                 0 => {}
                 count => outlines.warnings.push(format!("{count} × <{}>: {consequence}", tags[0])),
             }
+        }
+        let labels = labels::of(&xml).count();
+        if labels > 0 {
+            outlines.warnings.push(format!("{labels} × <foreignObject>: text in HTML that is not one plain label is left out"));
         }
         outlines.warnings.extend(references::missing(&xml));
         if references::has_outer_style(&xml) {
@@ -166,6 +198,7 @@ impl Outlines {
         if document::count(&xml, "text") > 0 || given.contains(document::DRAWING) {
             let mut fonts = texts::fonts();
             outlines.warnings.extend(font_face::load(&xml, &mut fonts));
+            options.font_size = 16.0; // as browsers have it
             options.font_family = fonts.family_name(&fontdb::Family::Serif).to_string(); // of text that names none
             options.fontdb = Arc::new(fonts);
             options.font_resolver.select_font = Box::new(texts::select_font);
@@ -179,26 +212,32 @@ impl Outlines {
                 other => other.to_string(),
             })
         };
-        let tree = tree_with(&[NO_FILTERS, NO_MARKERS])?;
+        let mut tree = tree_with(&[NO_FILTERS, NO_MARKERS])?;
+        let complaints = complaints::heard();
+        let has = |words: &[&str]| words.iter().any(|word| given.contains(word));
+        if has(&["filter"]) {
+            let filtered = tree_with(&[NO_MARKERS])?;
+            let (shapes, filters) = contents(filtered.root());
+            // usvg drops what has a filter that is missing or empty.
+            outlines.spared = contents(tree.root()).0.saturating_sub(shapes);
+            if outlines.spared == 0 {
+                tree = filtered;
+            } else {
+                outlines.filters = filters;
+            }
+        }
         outlines.size = (tree.size().width() as f64 * MM_PER_PX, tree.size().height() as f64 * MM_PER_PX);
         outlines.fonts = single.then(|| tree.fontdb().clone());
         outlines.add_group(tree.root(), Transform::identity(), None, 0);
         if outlines.too_many {
             return Err(format!("more than {MOST_POINTS} points, all uses counted"));
         }
-        let complaints = complaints::heard();
         let (drawn, _) = contents(tree.root());
         drop(tree);
         // What a part of the document hides shows in the document without that part.
-        let has = |words: &[&str]| words.iter().any(|word| given.contains(word));
         if has(&["display", "clip-path", "mask"]) {
             let shown = tree_with(&[NO_FILTERS, NO_MARKERS, NO_CLIPS, ALL_SHOWN]).map_or(0, |tree| contents(tree.root()).0);
             outlines.hidden += shown.saturating_sub(drawn);
-        }
-        if let (true, Ok(whole)) = (has(&["filter"]), tree_with(&[NO_MARKERS])) {
-            let (shapes, filters) = contents(whole.root());
-            outlines.filters = filters;
-            outlines.spared = drawn.saturating_sub(shapes);
         }
         outlines.warn();
         outlines.warnings.extend(complaints);
@@ -219,7 +258,10 @@ impl Outlines {
             self.warnings.push(format!("{} shapes of masks hold a pattern or a cone: taken as one even light", self.unread_masks));
         }
         if self.filters > 0 {
-            self.warnings.push(format!("{} filters (blur, shadow and the like) are passed over", self.filters));
+            self.warnings.push(format!("{} filters (shadow, light and the like) are passed over", self.filters));
+        }
+        if self.soft > 0 {
+            self.warnings.push(format!("{} blurred shapes have no edge: drawn only where something cuts them", self.soft));
         }
         if self.spared > 0 {
             self.warnings.push(format!("{} shapes are drawn that a missing or empty filter would hide", self.spared));
@@ -239,8 +281,11 @@ impl Outlines {
         self.faint += (group.opacity().get() < 1.0) as usize;
         let ts = around.pre_concat(group.transform());
         let clip = self.clip_of_group(group, ts, clip);
-        let opacity = if group.blend_mode() == BlendMode::Normal { group.opacity().get() } else { 0.0 };
-        self.groups.push((opacity, self.paths.len()));
+        let around = self.open(group.opacity().get(), group.blend_mode(), group.isolate());
+        let blur = self.blur;
+        let softens = self.blurs();
+        self.blur += group.filters().iter().map(|f| f.primitives()).map(blur_of).sum::<f32>() * ts.get_scale().0.max(ts.get_scale().1);
+        self.filters += if self.blurs() > softens { 0 } else { group.filters().len() };
         let layer = layer.or(self.marked.layers.contains_key(group.id()).then_some(group.id()));
         for node in group.children() {
             match node {
@@ -256,7 +301,30 @@ impl Outlines {
                 }
             }
         }
-        self.groups.pop();
+        self.close(around);
+        self.blur = blur;
+    }
+
+    /// The deviation of the blur around [mm]; 0 where it leaves edges.
+    fn blurs(&self) -> f64 {
+        let blur = self.blur as f64 * MM_PER_PX;
+        if blur > SOFT * self.size.0.max(self.size.1) { blur } else { 0.0 }
+    }
+
+    /// Opens a group. Returns the one around.
+    pub fn open(&mut self, opacity: f32, blend: BlendMode, isolated: bool) -> u32 {
+        let around = self.group;
+        self.open.push((if blend == BlendMode::Normal { opacity } else { 0.0 }, self.paths.len()));
+        if opacity < 1.0 || blend != BlendMode::Normal || isolated {
+            self.groups.push(SvgGroup { parent: around, opacity, blend: blend as u8 });
+            self.group = self.groups.len() as u32;
+        }
+        around
+    }
+
+    pub fn close(&mut self, around: u32) {
+        self.open.pop();
+        self.group = around;
     }
 
     fn clip_of_group(&mut self, group: &Group, ts: Transform, clip: u32) -> u32 {
@@ -364,7 +432,7 @@ impl Outlines {
         if opacity <= OPAQUE {
             return None;
         }
-        for (of_group, first) in self.groups.iter().rev() {
+        for (of_group, first) in self.open.iter().rev() {
             opacity *= of_group;
             if opacity <= OPAQUE {
                 return Some(*first);
@@ -373,8 +441,25 @@ impl Outlines {
         Some(0)
     }
 
-    pub fn opacity_of_groups(&self) -> f32 {
-        self.groups.iter().map(|(opacity, _)| opacity).product()
+    /// The colour of what the path paints at a place [mm]: red, green, blue and opacity, from 0 to 1.
+    pub fn shade(&self, path: usize, of_stroke: bool, x: f64, y: f64) -> [f32; 4] {
+        let Some((paint, to_paint)) = self.shades.get(&(path, of_stroke)) else { return [0.0; 4] };
+        let mut p = Point::from_xy(x as f32, y as f32);
+        to_paint.map_point(&mut p);
+        paints::shade(paint, p)
+    }
+
+    /// Keeps the gradient of the path that is put next. True if it is one.
+    fn keep_shade(&mut self, path: usize, of_stroke: bool, paint: &Paint, ts: Transform) -> bool {
+        let own = match paint {
+            Paint::LinearGradient(g) => g.transform(),
+            Paint::RadialGradient(g) => g.transform(),
+            _ => return false,
+        };
+        let to_mm = ts.post_scale(MM_PER_PX as f32, MM_PER_PX as f32).pre_concat(own);
+        let Some(back) = to_mm.invert() else { return false };
+        self.shades.insert((path, of_stroke), (paint.clone(), back));
+        true
     }
 
     pub fn layer_index(&mut self, id: Option<&str>) -> u32 {
@@ -413,18 +498,15 @@ impl Outlines {
         let length = limit.checked_sub(document::FIRST_LENGTH).and_then(|index| self.marked.lengths.get(index)).copied();
         let hides_from = fill.and_then(|f| hiding(f.paint(), f.opacity()));
         let covers_from = stroke.and_then(|s| hiding(s.paint(), s.opacity()));
-        let opaque = self.opacity_of_groups();
-        let is_plain = |paint: &Paint, opacity: Opacity| (matches!(paint, Paint::Color(_)) && opacity.get() * opaque > PLAIN) as u8;
-        let veil = |paint: &Paint, opacity: Opacity| (hiding(paint, opacity) != Some(0) && paints::is_white(paints::colour(paint))).then_some(opacity.get() * opaque);
-        let fill_veil = fill.and_then(|f| Some((f, veil(f.paint(), f.opacity())?)));
-        let stroke_veil = stroke.and_then(|s| Some((s, veil(s.paint(), s.opacity())?)));
-        let mut drawn = SvgPath {
+        let veils = |paint: &Paint, opacity: Opacity| hiding(paint, opacity) != Some(0) && paints::is_white(paints::colour(paint));
+        let fill_veil = fill.filter(|f| veils(f.paint(), f.opacity()));
+        let stroke_veil = stroke.filter(|s| veils(s.paint(), s.opacity()));
+        let drawn = SvgPath {
             layer,
             covers: covers_from.is_some() as u8,
             covers_from: covers_from.unwrap_or(0),
-            plain_fill: fill.map_or(0, |f| is_plain(f.paint(), f.opacity())),
-            plain_stroke: stroke.map_or(0, |s| is_plain(s.paint(), s.opacity())),
-            fades: fill.is_some_and(|f| paints::fades(f.paint())) as u8,
+            opacity: fill.map_or(0.0, |f| f.opacity().get()),
+            stroke_opacity: stroke.map_or(0.0, |s| s.opacity().get()),
             stroked: stroke.is_some() as u8,
             filled: fill.is_some() as u8,
             caps: stroke.is_some_and(|s| s.linecap() != LineCap::Butt) as u8,
@@ -444,36 +526,34 @@ impl Outlines {
         let white = stroke.filter(|s| paints::is_white(paints::colour(s.paint())));
         let cover = white.and_then(|s| {
             let hides_from = hiding(s.paint(), s.opacity())?;
-            let area = SvgPath { layer, clip, filled: 1, fill: 0xffffff, hides: Hides::WhiteStroke, hides_from, ..SvgPath::default() };
+            let area = SvgPath { layer, clip, filled: 1, fill: 0xffffff, opacity: s.opacity().get(), hides: Hides::WhiteStroke, hides_from, ..SvgPath::default() };
             Some((stroked_area(path, s, ts)?, area))
         });
-        // A stroke that is clear in part is cut there.
-        if let Some(stroke) = stroke.filter(|_| fill.is_none() && white.is_none() && covers_from.is_none()) {
-            let shows = |band: &paints::Band| paints::is_seen(band, opaque * stroke.opacity().get());
-            drawn.clip = self.clip_to_bands(stroke.paint(), path.stroke_bounding_box(), ts, clip, shows);
-        }
         self.dashes.extend(dashes.iter().map(|&length| length as f64));
+        let is_covered = cover.is_some();
         let mut both = vec![(path.data().clone(), drawn)];
         both.extend(cover);
         if path.paint_order() == PaintOrder::StrokeAndFill {
             both.reverse();
         }
-        let index = self.paths.len();
-        for (data, path) in both {
+        for (data, mut path) in both {
+            let index = self.paths.len();
+            let of_cover = matches!(path.hides, Hides::WhiteStroke);
+            let fill = if of_cover { stroke.map(|s| s.paint()) } else { fill.map(|f| f.paint()) };
+            path.shaded = [(false, fill), (true, stroke.map(|s| s.paint()))].map(|(of_stroke, paint)| paint.is_some_and(|p| self.keep_shade(index, of_stroke, p, ts)) as u8);
             self.put(&data, ts, path);
         }
         if let Some(fill) = fill.filter(|_| stroke.is_none()) {
-            self.add_clear_bands(path, fill, ts, layer, clip, index);
             self.add_leaps(path, fill, ts, layer, clip);
         }
-        if let Some((fill, opacity)) = fill_veil {
-            let even_odd = (fill.rule() == FillRule::EvenOdd) as u8;
-            self.add_veil(path.data(), fill.paint(), ts, SvgPath { layer, clip, even_odd, alpha: opacity, ..SvgPath::default() });
+        let veil = SvgPath { layer, clip, filled: 1, fill: 0xffffff, hides: Hides::Veil, ..SvgPath::default() };
+        if let Some(fill) = fill_veil {
+            self.put(path.data(), ts, SvgPath { even_odd: (fill.rule() == FillRule::EvenOdd) as u8, ..veil.clone() });
         }
-        if let Some((stroke, opacity)) = stroke_veil {
-            if let Some(area) = stroked_area(path, stroke, ts) {
-                self.add_veil(&area, stroke.paint(), ts, SvgPath { layer, clip, alpha: opacity, ..SvgPath::default() });
-            }
+        if let Some((stroke, area)) = stroke_veil.and_then(|s| Some((s, stroked_area(path, s, ts)?))) {
+            let opacity = if is_covered { 0.0 } else { stroke.opacity().get() };
+            let shaded = [self.keep_shade(self.paths.len(), false, stroke.paint(), ts) as u8, 0];
+            self.put(&area, ts, SvgPath { opacity, shaded, ..veil });
         }
     }
 
@@ -502,6 +582,10 @@ impl Outlines {
             }
         }
         let verbs = self.verbs.len() - first;
-        self.paths.push(SvgPath { verbs, transform: [ts.sx, ts.kx, ts.ky, ts.sy].map(|x| MM_PER_PX * x as f64), ..path });
+        let soft = self.blurs() > 0.0;
+        self.soft += (soft && path.shapes == 0 && !matches!(path.hides, Hides::Veil)) as usize;
+        let hides = if soft { Hides::Nothing } else { path.hides };
+        let covers = path.covers * !soft as u8;
+        self.paths.push(SvgPath { verbs, group: self.group, soft: self.blurs(), hides, covers, transform: [ts.sx, ts.kx, ts.ky, ts.sy].map(|x| MM_PER_PX * x as f64), ..path });
     }
 }

@@ -4,8 +4,6 @@ use usvg::tiny_skia_path::{Path, PathBuilder, Point, Rect};
 use usvg::{BaseGradient, Color, Paint, SpreadMethod, Stop, Transform};
 
 const WHITE: u32 = 250; // least red, green and blue of white
-const LIGHT: f32 = 0.965; // what is lighter is as good as white
-const CLEAR: f32 = 0.08; // an opacity below which black on grey is no edge
 const MOST_PERIODS: f32 = 64.0; // of a gradient that repeats
 const FINEST: f32 = 1.0 / 16.0; // change of light or opacity within a band
 const BESIDE: f32 = 1e-4; // of a gradient's length, on either side of a leap
@@ -52,7 +50,11 @@ pub fn least_opacity(paint: &Paint) -> f32 {
 }
 
 pub fn luminance(c: Color) -> f32 {
-    (0.2125 * c.red as f32 + 0.7154 * c.green as f32 + 0.0721 * c.blue as f32) / 255.0
+    light([c.red, c.green, c.blue, 255].map(|c| c as f32 / 255.0))
+}
+
+fn light([red, green, blue, _]: [f32; 4]) -> f32 {
+    0.2125 * red + 0.7154 * green + 0.0721 * blue
 }
 
 /// A part of a gradient. Borders stand where luminance, opacity or their product pass one half.
@@ -62,32 +64,51 @@ pub struct Band {
     pub opacity: f32,
 }
 
-/// False where the band, painted with this opacity, is as good as white or clear.
-pub fn is_seen(band: &Band, opacity: f32) -> bool {
-    band.luminance <= LIGHT && band.opacity * opacity >= CLEAR
-}
-
-/// A gradient from one colour to the same one, clear: a shadow.
-pub fn fades(paint: &Paint) -> bool {
-    stops(paint).is_some_and(|stops| {
-        stops.iter().all(|s| s.color() == stops[0].color()) && stops.iter().any(|s| s.opacity().get() < CLEAR)
-    })
-}
-
-/// Luminance and opacity at t along the gradient, and its colour on white.
-fn at(stops: &[Stop], t: f32) -> [f32; 5] {
-    let of = |s: &Stop| {
-        let (c, alpha) = (s.color(), s.opacity().get());
-        let on_white = |channel: u8| 255.0 - alpha * (255.0 - channel as f32);
-        [luminance(c), alpha, on_white(c.red), on_white(c.green), on_white(c.blue)]
-    };
+/// Red, green, blue and opacity, from 0 to 1, at t along the gradient.
+fn at(stops: &[Stop], t: f32) -> [f32; 4] {
+    let of = |s: &Stop| [s.color().red, s.color().green, s.color().blue].map(|c| c as f32 / 255.0);
+    let of = |s: &Stop| [of(s)[0], of(s)[1], of(s)[2], s.opacity().get()];
     let next = stops.iter().position(|s| s.offset().get() > t).unwrap_or(stops.len());
     if next == 0 || next == stops.len() {
         return of(&stops[next.saturating_sub(1)]);
     }
     let (a, b) = (&stops[next - 1], &stops[next]);
     let share = (t - a.offset().get()) / (b.offset().get() - a.offset().get());
-    [0, 1, 2, 3, 4].map(|k| of(a)[k] + share * (of(b)[k] - of(a)[k]))
+    [0, 1, 2, 3].map(|k| of(a)[k] + share * (of(b)[k] - of(a)[k]))
+}
+
+/// Where t lies within one period.
+fn within(spread: SpreadMethod, t: f32) -> f32 {
+    match spread {
+        SpreadMethod::Pad => t,
+        SpreadMethod::Reflect if t.floor().rem_euclid(2.0) == 1.0 => 1.0 - t.rem_euclid(1.0),
+        _ => t.rem_euclid(1.0),
+    }
+}
+
+/// A gradient's red, green, blue and opacity, from 0 to 1, at a point in its own unit.
+pub fn shade(paint: &Paint, p: Point) -> [f32; 4] {
+    let t = match paint {
+        Paint::LinearGradient(g) => {
+            let (start, along) = (Point::from_xy(g.x1(), g.y1()), Point::from_xy(g.x2() - g.x1(), g.y2() - g.y1()));
+            Some((p - start).dot(along) / along.dot(along))
+        }
+        Paint::RadialGradient(g) => {
+            // p lies on the circle round focus + t to_centre with the radius fr + t dr.
+            let focus = Point::from_xy(g.fx(), g.fy());
+            let (to_p, to_centre) = (p - focus, Point::from_xy(g.cx(), g.cy()) - focus);
+            let (fr, dr) = (g.fr().get(), g.r().get() - g.fr().get());
+            let (a, b) = (to_centre.dot(to_centre) - dr * dr, to_p.dot(to_centre) + fr * dr);
+            let root = (b * b - a * (to_p.dot(to_p) - fr * fr)).sqrt();
+            let ts = [(b + root) / a, (b - root) / a].into_iter();
+            ts.filter(|t| t.is_finite() && fr + t * dr >= 0.0).reduce(f32::max)
+        }
+        _ => None,
+    };
+    match (gradient(paint), t) {
+        (Some(g), Some(t)) => at(g.stops(), within(g.spread_method(), t)),
+        _ => [0.0; 4],
+    }
 }
 
 /// Where the bands of one period meet, from 0 to 1.
@@ -98,9 +119,9 @@ fn borders(stops: &[Stop]) -> Vec<f32> {
         let (from, to) = (pair[0].offset().get(), pair[1].offset().get());
         let inside = |s: f32| at(stops, from + s.clamp(1e-4, 1.0 - 1e-4) * (to - from));
         let (a, b) = (inside(0.0), inside(1.0));
-        let parts = ((a[0] - b[0]).abs().max((a[1] - b[1]).abs()) / FINEST).ceil();
+        let parts = ((light(a) - light(b)).abs().max((a[3] - b[3]).abs()) / FINEST).ceil();
         all.extend((1..parts as usize).map(|i| from + (to - from) * i as f32 / parts));
-        for measure in [|v: [f32; 5]| v[0], |v: [f32; 5]| v[1], |v: [f32; 5]| v[0] * v[1]] {
+        for measure in [light, |v: [f32; 4]| v[3], |v: [f32; 4]| light(v) * v[3]] {
             let above = |s: f32| measure(inside(s)) > 0.5;
             for i in 0..BEND {
                 let (mut low, mut high) = (i as f32 / BEND as f32, (i + 1) as f32 / BEND as f32);
@@ -193,24 +214,15 @@ fn cut(paint: &Paint, box_: Rect, at_leaps: bool) -> Option<(Vec<Band>, Transfor
         ends.extend(own.iter().map(|t| k + t).filter(|t| *t > from && *t < to));
     }
     ends.push(to);
-    let seen_at = |t: f32| {
-        let within = match gradient.spread_method() {
-            SpreadMethod::Pad => t,
-            _ if mirrors(t.floor()) => 1.0 - t.rem_euclid(1.0),
-            _ => t.rem_euclid(1.0),
-        };
-        at(gradient.stops(), within)
-    };
+    let seen_at = |t: f32| at(gradient.stops(), within(gradient.spread_method(), t));
     let mut all = Vec::new();
-    let band = |area: Path, t: f32| {
-        let [luminance, opacity, ..] = seen_at(t);
-        Band { area, luminance, opacity }
-    };
+    let band = |area: Path, t: f32| Band { area, luminance: light(seen_at(t)), opacity: seen_at(t)[3] };
     if at_leaps {
         ends.dedup_by(|a, b| *a - *b < 2.0 * BESIDE);
         for t in &ends[1..ends.len() - 1] {
-            let sides = [seen_at(t - BESIDE), seen_at(t + BESIDE)];
-            if (2..5).any(|k| (sides[0][k] - sides[1][k]).abs() > LEAP) {
+            let on_white = |c: [f32; 4]| [0, 1, 2].map(|k| 255.0 * (1.0 - c[3] * (1.0 - c[k])));
+            let sides = [on_white(seen_at(t - BESIDE)), on_white(seen_at(t + BESIDE))];
+            if (0..3).any(|k| (sides[0][k] - sides[1][k]).abs() > LEAP) {
                 all.extend(before(*t).map(|area| band(area, *t)));
             }
         }

@@ -27,6 +27,14 @@ pub fn fonts() -> fontdb::Database {
     if let Some(mono) = first_of(["Courier New", "Liberation Mono", "DejaVu Sans Mono", "Noto Sans Mono"]) {
         fonts.set_monospace_family(mono);
     }
+    // By the names of fonts whose letters are as wide, as browsers have it.
+    for (family, others) in [("Liberation Sans", ["Arial", "Helvetica"]), ("Liberation Serif", ["Times New Roman", "Times"]), ("Liberation Mono", ["Courier New", "Courier"])] {
+        let own: Vec<_> = fonts.faces().filter(|face| face.families.iter().any(|f| f.0 == family)).cloned().collect();
+        for (mut face, other) in own.into_iter().flat_map(|face| others.map(|other| (face.clone(), other))) {
+            face.families.push((other.to_string(), fontdb::Language::Unknown));
+            fonts.push_face_info(face);
+        }
+    }
     fonts
 }
 
@@ -39,7 +47,7 @@ pub fn select_font(font: &Font, fonts: &mut Arc<fontdb::Database>) -> Option<fon
         other => other.to_string(),
     };
     let names = &fonts.face(id)?.families;
-    if !generic && names.iter().all(|(name, _)| *name != wanted) {
+    if !generic && names.iter().all(|(name, language)| *name != wanted || *language == fontdb::Language::Unknown) {
         log::warn!(target: "usvg", "the font '{wanted}' is not installed: replaced by '{}'", names[0].0);
     }
     Some(id)

@@ -1,0 +1,177 @@
+#include "impedraw/drawing/colours.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "impedraw/drawing/visible.h"
+
+namespace impedraw {
+
+using Eigen::AlignedBox2d;
+using Eigen::Array3d;
+using Eigen::Vector2d;
+constexpr int kCells = 64;                      // along each side of the page
+constexpr std::size_t kMostAsked = 50'000'000;  // layers, in all
+constexpr std::size_t kMostOffset = 100'000;    // points of strokes that become areas
+constexpr double kOpaque = 0.999;
+constexpr int kSamples = 60;  // of a blur
+
+namespace {
+
+Array3d mixed_by(std::uint8_t mode, const Array3d& over, const Array3d& under) {
+  switch (mode) {  // usvg::BlendMode
+    case 1:
+      return over * under;  // multiply
+    case 2:
+      return over + under - over * under;  // screen
+    case 4:
+      return over.min(under);
+    case 5:
+      return over.max(under);
+    default:
+      return over;
+  }
+}
+
+void put(const Tint& over, std::uint8_t blend, Tint& under) {
+  const double a = over[3], b = under[3], all = a + b * (1 - a);
+  if (!(all > 0)) return;
+  const Array3d mix = mixed_by(blend, over.head<3>(), under.head<3>());
+  under.head<3>() =
+      (a * ((1 - b) * over.head<3>() + b * mix) + (1 - a) * b * under.head<3>()) / all;
+  under[3] = all;
+}
+
+}  // namespace
+
+Colours::Colours(const std::vector<Paint>& paints, const std::vector<PaintGroup>& groups,
+                 ClipRegions& clips, const AlignedBox2d& page, double thin)
+    : paints_(paints), groups_(groups), clips_(clips), page_(page), cells_(kCells * kCells) {
+  const RegionMath math(page);
+  std::size_t offset = 0;
+  for (const Paint& paint : paints) {
+    const int number = static_cast<int>(&paint - paints.data());
+    const Area& area = paint.area;
+    if (paint.opacity > 0 && !area.outlines.empty()) {
+      const Vector2d spare = Vector2d::Constant(3 * paint.soft);
+      const AlignedBox2d box = outlines_box(area.outlines);
+      add({number, false, area.even_odd, paint.inked ? area.colour : 0xffffff,
+           RegionIndex(area.outlines)},
+          {box.min() - spare, box.max() + spare});
+    }
+    Outlines covered;
+    for (const Stroke& line : paint.strokes) {
+      if (line.edge || line.dash >= 0 || line.width <= thin) continue;
+      offset += line.points.size();
+      if (offset > kMostOffset) break;
+      // An edge along its rim is seen.
+      const double width = line.width - thin / 16;
+      for (auto& outline : math.stroked(line.points, width, line.closed, paint.round))
+        covered.push_back(std::move(outline));
+    }
+    if (!covered.empty())
+      add({number, true, false, paint.strokes.back().colour, RegionIndex(covered)},
+          outlines_box(covered));
+  }
+}
+
+void Colours::add(Layer layer, AlignedBox2d box) {
+  const int number = static_cast<int>(layers_.size());
+  layers_.push_back(std::move(layer));
+  if ((8 * box.sizes().array() > page_.sizes().array()).any()) return large_.push_back(number);
+  const Vector2d cell = page_.sizes() / kCells;
+  for (double y = box.min().y(); y < box.max().y() + cell.y(); y += cell.y()) {
+    for (double x = box.min().x(); x < box.max().x() + cell.x(); x += cell.x()) {
+      std::vector<int>& there = cell_of({x, y});
+      if (there.empty() || there.back() != number) there.push_back(number);
+    }
+  }
+}
+
+std::vector<int>& Colours::cell_of(const Vector2d& p) const {
+  const Vector2d share = (p - page_.min()).cwiseQuotient(page_.sizes().cwiseMax(1e-9));
+  const Eigen::Vector2i at = (kCells * share.cwiseMax(0.0).cwiseMin(0.999)).cast<int>();
+  return cells_[at.y() * kCells + at.x()];
+}
+
+double Colours::coverage(const Layer& layer, const Vector2d& p) const {
+  const double soft = paints_[layer.paint].soft;
+  if (soft == 0) return layer.region.inside(p, layer.even_odd);
+  int inside = 0;
+  for (int i = 0; i < kSamples; ++i) {  // a sunflower of even shares of the blur
+    const double r = soft * std::sqrt(-2 * std::log((i + 0.5) / kSamples)), angle = 2.39996 * i;
+    inside +=
+        layer.region.inside(p + r * Vector2d(std::cos(angle), std::sin(angle)), layer.even_odd);
+  }
+  return static_cast<double>(inside) / kSamples;
+}
+
+Tint Colours::tint(int number, bool of_stroke, std::uint32_t colour, const Vector2d& p) const {
+  const Paint& paint = paints_[number];
+  const auto part = [&](int shift) { return (colour >> shift & 0xff) / 255.0; };
+  Tint tint(part(16), part(8), part(0), 1);
+  if (of_stroke ? paint.shaded_strokes : paint.shaded) tint = paint.shade(p, of_stroke);
+  tint[3] *= of_stroke ? paint.stroke_opacity : paint.opacity;
+  if (paint.clip >= 0) tint[3] *= clips_.light(paint.clip, p);
+  return tint;
+}
+
+std::optional<Tint> Colours::at(const Vector2d& p, int own, std::uint32_t own_colour, bool with_own,
+                                const Vector2d& side) const {
+  const std::vector<int>& cell = cell_of(p);
+  auto large = large_.rbegin();
+  auto small = cell.rbegin();
+  Tints tints;  // from the last to the first painted
+  bool is_opaque = false;
+  const auto take = [&](int paint, bool of_stroke, std::uint32_t colour, double covered) {
+    Tint tint = this->tint(paint, of_stroke, colour, p);
+    tint[3] *= covered;
+    if (tint[3] > 0) tints.emplace_back(paints_[paint].group, tint);
+    is_opaque = tint[3] > kOpaque && paints_[paint].group < 0;
+  };
+  while (!is_opaque) {
+    const int next =
+        std::max(large == large_.rend() ? -1 : *large, small == cell.rend() ? -1 : *small);
+    if (with_own && (next < 0 || layers_[next].paint <= own)) {
+      with_own = false;
+      take(own, true, own_colour, 1);
+      continue;
+    }
+    if (next < 0) break;
+    large != large_.rend() && *large == next ? void(++large) : void(++small);
+    const Layer& layer = layers_[next];
+    // A stroke on one of its colour is one more line of the pen.
+    if (own >= 0 && layer.of_stroke && layer.colour == own_colour) continue;
+    if (++asked_ > kMostAsked) return std::nullopt;
+    const double covered = (coverage(layer, p + side) + coverage(layer, p - side)) / 2;
+    if (covered > 0) take(layer.paint, layer.of_stroke, layer.colour, covered);
+  }
+  std::reverse(tints.begin(), tints.end());
+  return mixed(tints);
+}
+
+bool Colours::is_within(int inner, int outer) const {
+  while (inner > outer) inner = groups_[inner].parent;  // a group stands behind its parent
+  return inner == outer;
+}
+
+Tint Colours::mixed(const Tints& tints) const {
+  Tints open{{-1, Tint::Ones()}};
+  const auto close = [&] {
+    auto [group, tint] = open.back();
+    open.pop_back();
+    tint[3] *= groups_[group].opacity;
+    put(tint, groups_[group].blend, open.back().second);
+  };
+  for (const auto& [group, tint] : tints) {
+    while (!is_within(group, open.back().first)) close();
+    const std::size_t first = open.size();
+    for (int g = group; g != open[first - 1].first; g = groups_[g].parent)
+      open.insert(open.begin() + static_cast<long>(first), {g, Tint::Zero()});
+    put(tint, 0, open.back().second);
+  }
+  while (open.size() > 1) close();
+  return open.front().second;
+}
+
+}  // namespace impedraw
