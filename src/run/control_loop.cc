@@ -55,7 +55,7 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
   canvas_.update(state.time);
   update_wrench(state);
   avoid_canvas(given, state.time);
-  TipReference reference = hit_.of(keep_away_.of(canvas_.in_world(given)));
+  TipReference reference = hit_.of(keep_away_.of(on_canvas(given)));
   const Eigen::Vector3d& p_WE = terms_.X_WE.p;
   const bool ahead = coupled_ && on_surface();
   const Eigen::Vector3d query = ahead ? surface_query(p_WE, reference.p_WD, n_) : p_WE;
@@ -95,6 +95,15 @@ void ControlLoop::avoid_canvas(const TipReference& given, double time) noexcept 
   keep_away(time);
 }
 
+// The reference in W.
+TipReference ControlLoop::on_canvas(const TipReference& given) noexcept {
+  const TipReference reference = canvas_.in_world(given);
+  if (canvas_.joined())
+    return soft_.of(reference, !given.pen_down && mode_ == ContactMode::free, period_);
+  soft_.reset();
+  return reference;
+}
+
 void ControlLoop::keep_away(double time) noexcept {
   const CanvasEstimate& canvas = canvas_.estimate();
   SurfaceEstimate surface;
@@ -129,6 +138,7 @@ const ImpedanceTorque& ControlLoop::brake(const ArmState& state,
   update_wrench(state);
   canvas_.update(state.time);
   mode_ = ContactMode::free;
+  soft_.reset();
   Eigen::Vector3d v = v_WD;
   if (canvas_.follows() && surface_source_) {
     keep_away(state.time);  // by what cameras see alone: the wrench may be what failed

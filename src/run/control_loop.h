@@ -13,6 +13,7 @@
 #include "impedraw/run/canvas_follower.h"
 #include "impedraw/run/driver.h"
 #include "impedraw/run/keep_away.h"
+#include "impedraw/run/soft_corrections.h"
 #include "impedraw/sensing/joint_state_estimator.h"
 #include "impedraw/sensing/touch_surface.h"
 #include "impedraw/sensing/wrench_estimator.h"
@@ -83,6 +84,7 @@ class ControlLoop {
   bool on_surface() const noexcept {
     return mode_ == ContactMode::approach || mode_ == ContactMode::contact;
   }
+  TipReference on_canvas(const TipReference& given) noexcept;
   void avoid_canvas(const TipReference& given, double time) noexcept;
   void keep_away(double time) noexcept;
 
@@ -106,6 +108,7 @@ class ControlLoop {
   ContactMode mode_ = ContactMode::free;                           // of the last step
   HitRetreat hit_;
   KeepAway keep_away_;
+  SoftCorrections soft_;
 };
 
 }  // namespace impedraw

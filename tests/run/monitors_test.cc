@@ -185,6 +185,10 @@ TEST(CanvasMonitor, HoldsThePlanWhileTheCanvasIsLostAndLeavesThePathOnceItIsFoun
   EXPECT_FALSE(monitor.judge(made.next(), false));
   status = CanvasStatus::lost;
   made.canvas.update(0.1);
+  made.out.mode = ContactMode::lift;
+  made.desired.phase = Phase::lift;
+  EXPECT_FALSE(monitor.hold(made.next())) << "a lift goes on";
+  made.desired.phase = Phase::travel;
   made.out.mode = ContactMode::retreat;
   EXPECT_EQ(monitor.hold(made.next()).severity, Severity::hold);
   EXPECT_FALSE(monitor.judge(made.next(), false));

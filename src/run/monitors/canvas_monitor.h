@@ -72,7 +72,9 @@ class CanvasMonitor {
 
   // Names what the plan waits for; null: nothing.
   const char* waits_for(const Cycle& cycle) const noexcept {
-    if (cycle.canvas.lost()) return "the cameras to know the canvas again";
+    // A lift goes on: nearer to a canvas that nobody sees, the pen would wait for it to hit.
+    if (cycle.canvas.lost() && cycle.desired.phase != Phase::lift)
+      return "the cameras to know the canvas again";
     const bool up = cycle.desired.stroke < 0 && cycle.out.mode == ContactMode::free;
     return rest_.moves() && up ? "the canvas to rest" : nullptr;
   }
