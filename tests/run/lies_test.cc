@@ -153,7 +153,7 @@ TEST(Lies, AWrenchThatIsZeroForEverIsNamed) {
       RunHooks hooks;
       hooks.row = [&](const LogRow& row) { hardest = std::max(hardest, row.contact_force.norm()); };
       const RunOutcome outcome = run(e, arm, {}, 0.0, hooks);
-      EXPECT_LT(hardest, name == std::string("bowl-sine-touch") ? 75.0 : 45.0) << outcome.cause;
+      EXPECT_LT(hardest, 65.0) << outcome.cause;
       if (hardest == 0.0) continue;  // the pen never came down: nothing is drawn, which is said
       EXPECT_EQ(outcome.end, RunEnd::stopped);
       EXPECT_THAT(outcome.cause, AnyOf(HasSubstr("of which the measured wrench tells"),

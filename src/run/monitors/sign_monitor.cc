@@ -115,17 +115,17 @@ Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
 }
 
 Verdict SignMonitor::unfelt(const Cycle& cycle) {
-  constexpr double kLeast = 15.0, kUnseen = 45.0, kPushes = 3.0, kTold = 0.4;  // [N], of the push
+  constexpr double kLeast = 15.0, kInAir = 45.0, kPushes = 3.0, kTold = 0.4;  // [N], of the push
   constexpr double kBeneath = 0.5e-3, kBehind = 5e-3, kUnfelt = 8e-3;          // [m], [m], [s]
   const ContactMode mode = cycle.out.mode;
   const bool down = mode == ContactMode::contact || mode == ContactMode::approach;
-  const bool seen = cycle.surface.status == SurfaceStatus::ok;
-  const bool there = seen ? cycle.surface.distance < -kBeneath
-                          : cycle.lag().dot(cycle.arm.X_WE.R.col(2)) > kBehind;
+  const bool there = cycle.surface.status == SurfaceStatus::ok
+                         ? cycle.surface.distance < -kBeneath
+                         : cycle.lag().dot(cycle.arm.X_WE.R.col(2)) > kBehind;
   const double told = std::abs(cycle.normal_force());
   const double push = std::max(kLeast / kPushes, cycle.out.push);
-  const double least = std::max(seen ? kLeast : kUnseen, kPushes * push);
-  const bool held = holds_ > least && told < kTold * push;
+  const double least = mode == ContactMode::contact ? kLeast : kInAir;
+  const bool held = holds_ > std::max(least, kPushes * push) && told < kTold * push;
   unfelt_ = felt_ && down && there && held ? unfelt_ + dt_ : 0.0;
   if (unfelt_ < kUnfelt) return {};
   return {Severity::damp,
