@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "impedraw/arm/enclosing_capsules.h"
+#include "impedraw/arm/urdf_inertia.h"
 #include "impedraw/arm/urdf_tree.h"
 #include "impedraw/common/errors.h"
 
@@ -27,8 +28,6 @@ constexpr double kSlack = 1e-9, kLeastMoment = 1e-12;  // of the largest moment;
 constexpr double kRounding = 1e-3;    // of the largest moment: digits that a file left out
 constexpr double kLeastLimit = 0.01;  // of effort and velocity: a way would take hours
 constexpr double kLeastAxis = 1e-6, kMostDynamics = 1e4;
-const char* const kMoments[3][3] = {
-    {"ixx", "ixy", "ixz"}, {"ixy", "iyy", "iyz"}, {"ixz", "iyz", "izz"}};
 
 std::string name_of(const UrdfElement* e) { return value(e, "name"); }
 
@@ -50,25 +49,6 @@ void add_body(UrdfElement* link, const Capsule& c) {
   auto* shape = collision->InsertNewChildElement("geometry")->InsertNewChildElement("capsule");
   shape->SetAttribute("radius", fmt::format("{:.6g}", c.radius + 1e-6).c_str());
   shape->SetAttribute("length", fmt::format("{:.6g}", length).c_str());
-}
-
-Matrix3d inertia_of(const UrdfElement* inertial) {
-  Matrix3d I = Matrix3d::Zero();
-  for (int i = 0; inertial && i < 9; ++i)
-    I(i) = number(inertial->FirstChildElement("inertia"), kMoments[i / 3][i % 3]);
-  return I;
-}
-double mass_of(const UrdfElement* inertial) {
-  return inertial ? number(inertial->FirstChildElement("mass"), "value") : 0.0;
-}
-void set_inertial(UrdfElement* link, double mass, const Matrix3d& I) {
-  auto* inertial = link->FirstChildElement("inertial");
-  if (!inertial) inertial = link->InsertNewChildElement("inertial");
-  for (const char* part : {"mass", "inertia"})
-    if (!inertial->FirstChildElement(part)) inertial->InsertNewChildElement(part);
-  inertial->FirstChildElement("mass")->SetAttribute("value", mass);
-  for (int i = 0; i < 9; ++i)
-    inertial->FirstChildElement("inertia")->SetAttribute(kMoments[i / 3][i % 3], I(i));
 }
 
 // Makes a tree plain, for the way to a link. `fill`: what is missing or cannot be is filled in.

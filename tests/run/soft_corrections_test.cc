@@ -50,8 +50,7 @@ TEST(SoftCorrections, TakeNoneOfAPenThatIsDown) {
   EXPECT_EQ(soft.of(at(0.01, 0.2), false, kStep).p_WD.z(), 0.01);
   soft.of(at(0.02, 0.2), true, kStep);
   double off = 1.0;
-  for (int i = 0; i < 400; ++i)
-    off = soft.of(at(0.02, 0.0), false, kStep).p_WD.z() - 0.02;
+  for (int i = 0; i < 400; ++i) off = soft.of(at(0.02, 0.0), false, kStep).p_WD.z() - 0.02;
   EXPECT_NEAR(off, 0.0, 1e-4);
 }
 

@@ -14,6 +14,7 @@
 //! font_face.rs   fonts that the document holds
 //! complaints.rs  usvg's messages
 
+mod clips;
 mod complaints;
 mod document;
 mod dtd;

@@ -116,7 +116,7 @@ Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
 
 Verdict SignMonitor::unfelt(const Cycle& cycle) {
   constexpr double kLeast = 15.0, kInAir = 45.0, kPushes = 3.0, kTold = 0.4;  // [N], of the push
-  constexpr double kBeneath = 0.5e-3, kBehind = 5e-3, kUnfelt = 8e-3;          // [m], [m], [s]
+  constexpr double kBeneath = 0.5e-3, kBehind = 5e-3, kUnfelt = 8e-3;         // [m], [m], [s]
   const ContactMode mode = cycle.out.mode;
   const bool down = mode == ContactMode::contact || mode == ContactMode::approach;
   const bool there = cycle.surface.status == SurfaceStatus::ok

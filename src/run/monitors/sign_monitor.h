@@ -20,8 +20,8 @@
 //   unfelt    for 8 ms r tells of a force along the pen of three pushes and 15 N, and the wrench of
 //             less than 0.4 pushes and 2 N, while the pen is 0.5 mm beneath the surface that was
 //             seen or touched, or 5 mm behind on its way to one. On the way down it takes 45 N,
-//             as friction in the joints holds it, too. The sensor is dead. A hand on the arm does not put the
-//             pen there, and the canvas is felt beside it.
+//             as friction in the joints holds it, too. The sensor is dead. A hand on the arm does
+//             not put the pen there, and the canvas is felt beside it.
 //
 // An arm that shakes, for springs in its joints that nobody told, moves against torques and forces
 // all the time: ⟨y²⟩ counts above 9 times its mean over the last 10 s alone.
