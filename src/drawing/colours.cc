@@ -10,9 +10,9 @@ namespace impedraw {
 using Eigen::AlignedBox2d;
 using Eigen::Array3d;
 using Eigen::Vector2d;
-constexpr int kCells = 64;                      // along each side of the page
-constexpr std::size_t kMostAsked = 50'000'000;  // layers, in all
-constexpr std::size_t kMostOffset = 100'000;    // points of strokes that become areas
+constexpr int kCells = 64;                     // along each side of the page
+constexpr std::size_t kMostAsked = 5'000'000;  // layers, in all
+constexpr std::size_t kMostOffset = 100'000;   // points of strokes that become areas
 constexpr double kOpaque = 0.999;
 constexpr int kSamples = 60;  // of a blur
 
@@ -140,10 +140,11 @@ std::optional<Tint> Colours::at(const Vector2d& p, int own, std::uint32_t own_co
     if (next < 0) break;
     large != large_.rend() && *large == next ? void(++large) : void(++small);
     const Layer& layer = layers_[next];
+    if (++asked_ > kMostAsked) return std::nullopt;
     // A stroke on one of its colour is one more line of the pen.
     if (own >= 0 && layer.of_stroke && layer.colour == own_colour) continue;
-    if (++asked_ > kMostAsked) return std::nullopt;
-    const double covered = (coverage(layer, p + side) + coverage(layer, p - side)) / 2;
+    double covered = coverage(layer, p + side);
+    if (!side.isZero(0.0)) covered = (covered + coverage(layer, p - side)) / 2;
     if (covered > 0) take(layer.paint, layer.of_stroke, layer.colour, covered);
   }
   std::reverse(tints.begin(), tints.end());
