@@ -10,13 +10,14 @@ namespace impedraw {
 using Eigen::AlignedBox2d;
 using Eigen::Array3d;
 using Eigen::Vector2d;
+
+namespace {
+
 constexpr int kCells = 64;                     // along each side of the page
 constexpr std::size_t kMostAsked = 5'000'000;  // layers, in all
 constexpr std::size_t kMostOffset = 100'000;   // points of strokes that become areas
 constexpr double kOpaque = 0.999;
 constexpr int kSamples = 60;  // of a blur
-
-namespace {
 
 Array3d mixed_by(std::uint8_t mode, const Array3d& over, const Array3d& under) {
   switch (mode) {  // usvg::BlendMode
@@ -82,16 +83,16 @@ void Colours::add(Layer layer, AlignedBox2d box) {
   const Vector2d cell = page_.sizes() / kCells;
   for (double y = box.min().y(); y < box.max().y() + cell.y(); y += cell.y()) {
     for (double x = box.min().x(); x < box.max().x() + cell.x(); x += cell.x()) {
-      std::vector<int>& there = cell_of({x, y});
+      std::vector<int>& there = cells_[cell_of({x, y})];
       if (there.empty() || there.back() != number) there.push_back(number);
     }
   }
 }
 
-std::vector<int>& Colours::cell_of(const Vector2d& p) const {
+std::size_t Colours::cell_of(const Vector2d& p) const {
   const Vector2d share = (p - page_.min()).cwiseQuotient(page_.sizes().cwiseMax(1e-9));
   const Eigen::Vector2i at = (kCells * share.cwiseMax(0.0).cwiseMin(0.999)).cast<int>();
-  return cells_[at.y() * kCells + at.x()];
+  return static_cast<std::size_t>(at.y() * kCells + at.x());
 }
 
 double Colours::coverage(const Layer& layer, const Vector2d& p) const {
@@ -118,7 +119,7 @@ Tint Colours::tint(int number, bool of_stroke, std::uint32_t colour, const Vecto
 
 std::optional<Tint> Colours::at(const Vector2d& p, int own, std::uint32_t own_colour, bool with_own,
                                 const Vector2d& side) const {
-  const std::vector<int>& cell = cell_of(p);
+  const std::vector<int>& cell = cells_[cell_of(p)];
   auto large = large_.rbegin();
   auto small = cell.rbegin();
   Tints tints;  // from the last to the first painted

@@ -32,9 +32,8 @@ class Colours {
           ClipRegions& clips, const Eigen::AlignedBox2d& page, double thin);
 
   // The colour on white paper. Of a stroke of paint `own`, and of others in its colour, nothing
-  // counts, or only that it lies there. Half of
-  // each layer counts that ends between p + side and p − side, as when a screen shows its edge.
-  // nullopt: it has looked at too many.
+  // counts, or only that it lies there. Half of each layer counts that ends between p + side and
+  // p − side, as when a screen shows its edge. nullopt: it has looked at too many.
   std::optional<Tint> at(const Eigen::Vector2d& p, int own = -1, std::uint32_t own_colour = 0,
                          bool with_own = false,
                          const Eigen::Vector2d& side = Eigen::Vector2d::Zero()) const;
@@ -49,7 +48,7 @@ class Colours {
   using Tints = std::vector<std::pair<int, Tint>>;  // and the group that each is in
 
   void add(Layer layer, Eigen::AlignedBox2d box);
-  std::vector<int>& cell_of(const Eigen::Vector2d& p) const;
+  std::size_t cell_of(const Eigen::Vector2d& p) const;
   double coverage(const Layer& layer, const Eigen::Vector2d& p) const;
   Tint tint(int paint, bool of_stroke, std::uint32_t colour, const Eigen::Vector2d& p) const;
   bool is_within(int inner, int outer) const;  // of groups
@@ -59,8 +58,8 @@ class Colours {
   const std::vector<PaintGroup>& groups_;
   ClipRegions& clips_;
   Eigen::AlignedBox2d page_;
-  std::vector<Layer> layers_;                    // from the first to the last painted
-  mutable std::vector<std::vector<int>> cells_;  // layers by place
+  std::vector<Layer> layers_;            // from the first to the last painted
+  std::vector<std::vector<int>> cells_;  // layers by place
   std::vector<int> large_;
   mutable std::size_t asked_ = 0;  // layers
 };

@@ -18,8 +18,8 @@ class Veils {
 
   void add(const std::vector<Stroke>& edges);
   bool reach(const Eigen::AlignedBox2d& box) const;
-  // The edges that lie on the region, which is beneath all veils so far. They end
-  // there: nothing beneath gets them.
+  // The edges that lie on the region, which is beneath all veils so far. They end there: nothing
+  // beneath gets them.
   std::vector<LinePiece> take(const Outlines& region);
 
  private:

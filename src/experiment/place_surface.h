@@ -3,9 +3,9 @@
 //
 // Candidates come from the perceived surface (planning/preflight/place_search.h). The best ones
 // pass the whole pre-flight; where it fails, further candidates keep off. The best one is moved a
-// little where that lets more be drawn. Where the level drawing
-// plane has no place for the whole, planes that lean by 35° or 65° to one of eight sides are tried:
-// an object's sides are drawn on, too. A plane that the scenario tilts stays.
+// little where that lets more be drawn. Where the level drawing plane has no place for the whole,
+// planes that lean by 35° or 65° to one of eight sides are tried: an object's sides are drawn on,
+// too. A plane that the scenario tilts stays.
 #pragma once
 
 #include <functional>

@@ -384,7 +384,9 @@ Verdict ArmMonitors::judge(const Cycle& cycle, const Reaction& reaction, bool bl
   worst = reading_.judge(cycle);
   if (worst || state == Reaction::State::damp) return worst;
   if (cycle.out.status.stale_state) return emergency(cycle);  // foretold, it tells nothing
-  worst = worse(signs_.judge(cycle), reversal_.judge(cycle));
+  worst = signs_.judge(cycle);
+  if (!worst) worst = dead_wrench_.judge(cycle, signs_.held());
+  worst = worse(worst, reversal_.judge(cycle));
   if (worst) return worst;
   if (state != Reaction::State::halt) worst = emergency(cycle);
   if (!worst) worst = fences_.judge(cycle);

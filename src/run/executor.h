@@ -14,6 +14,7 @@
 #include "impedraw/run/driver.h"
 #include "impedraw/run/monitors/block_monitor.h"
 #include "impedraw/run/monitors/canvas_monitor.h"
+#include "impedraw/run/monitors/dead_wrench_monitor.h"
 #include "impedraw/run/monitors/fence_monitor.h"
 #include "impedraw/run/monitors/range_monitor.h"
 #include "impedraw/run/monitors/rattle_monitor.h"
@@ -53,6 +54,7 @@ class ArmMonitors {
   ReadingMonitor reading_;
   ReversalMonitor reversal_;
   SignMonitor signs_;
+  DeadWrenchMonitor dead_wrench_;
   FenceMonitor fences_;
   RangeMonitor range_;
   SpeedMonitor speed_;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/run/monitors/canvas_monitor.h"
+#include "impedraw/run/monitors/dead_wrench_monitor.h"
 #include "impedraw/run/monitors/range_monitor.h"
 #include "impedraw/run/monitors/rattle_monitor.h"
 #include "impedraw/run/monitors/reach_monitor.h"
@@ -207,6 +208,35 @@ TEST(CanvasMonitor, HoldsThePlanWhileTheCanvasIsLostAndLeavesThePathOnceItIsFoun
   const int n = cycles_until([&] { return monitor.judge(made.next(), false); }, &said);
   EXPECT_NEAR(before + n * MadeUpCycle::kDt, CanvasMonitor::kMostWait, 0.01);
   EXPECT_THAT(said.cause, StartsWith("no camera has known the canvas for 45 s"));
+}
+
+// Where the pen is 1 mm beneath the surface, on it or on its way down, and what the wrench tells.
+TEST(DeadWrenchMonitor, NamesAWrenchThatTellsNothingOfWhatHoldsThePen) {
+  const auto says = [](ContactMode mode, double held, double told, double distance = -1e-3) {
+    MadeUpCycle made;
+    made.out.mode = mode;
+    made.out.n_WD = Eigen::Vector3d::UnitZ();
+    made.out.push = 5.0;
+    made.F_ext[2] = told;
+    made.surface.status = SurfaceStatus::ok;
+    made.surface.distance = distance;
+    DeadWrenchMonitor monitor;
+    for (int n = 1; n <= 100; ++n) {
+      const Verdict said = monitor.judge(made.next(), held);
+      if (!said) continue;
+      EXPECT_EQ(said.severity, Severity::damp);
+      EXPECT_THAT(said.cause, StartsWith("the pen is held as by"));
+      return n;
+    }
+    return -1;
+  };
+  EXPECT_NEAR(says(ContactMode::contact, 16.0, 0.0), DeadWrenchMonitor::kConfirm / 1e-3, 1.5);
+  EXPECT_EQ(says(ContactMode::contact, 14.0, 0.0), -1) << "less than three pushes";
+  EXPECT_EQ(says(ContactMode::contact, 16.0, 2.5), -1) << "the wrench tells half of the push";
+  EXPECT_EQ(says(ContactMode::contact, 16.0, 0.0, 0.0), -1) << "on the surface, as a hand does it";
+  EXPECT_EQ(says(ContactMode::approach, 40.0, 0.0), -1) << "friction holds it, too";
+  EXPECT_GT(says(ContactMode::approach, 46.0, 0.0), 0);
+  EXPECT_EQ(says(ContactMode::free, 46.0, 0.0), -1);
 }
 
 TEST(SecondChance, IsGivenToAnArmThatDrewWellAndAlone) {

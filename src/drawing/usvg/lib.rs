@@ -4,6 +4,7 @@
 //! dtd.rs         what the internal DTD adds to the document
 //! document.rs    text and XML, before usvg
 //! outlines.rs    usvg's tree as paths
+//! clips.rs       clip paths and masks
 //! paints.rs      colours and gradients
 //! servers.rs     what patterns and gradients draw
 //! texts.rs       fonts and letters

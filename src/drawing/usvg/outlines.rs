@@ -102,7 +102,7 @@ pub struct Outlines {
     hidden: usize,                  // shapes that are painted and do not show
     patterned: usize,               // painted with a pattern that is left out
     pub tiles: usize,               // of patterns
-    pub unread_masks: usize,            // shapes of masks that are painted with what is not evaluated
+    pub unread_masks: usize,        // shapes of masks that are painted with what is not evaluated
     faint: usize,                   // shapes and groups that are partly transparent
     pub lost_texts: usize,
     pub fonts: Option<Arc<fontdb::Database>>, // text is put as letters

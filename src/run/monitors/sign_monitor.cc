@@ -75,7 +75,7 @@ Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
     y.tail<3>() = along(r);
     size.tail<3>() = arm.X_WE.R.transpose() * F.head<3>();
     const Eigen::Vector3d z = arm.X_WE.R.col(2);
-    holds_ = -y[n + 2] / along(arm.J.topRows<3>().transpose().lazyProduct(z)).z();
+    held_ = -y[n + 2] / along(arm.J.topRows<3>().transpose().lazyProduct(z)).z();
   }
   quick_ += quick_share_ * (x - quick_);
   size_quick_ += quick_share_ * (size - size_quick_);
@@ -112,25 +112,6 @@ Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
   }
   lasts_ = 0;
   return {};
-}
-
-Verdict SignMonitor::unfelt(const Cycle& cycle) {
-  constexpr double kLeast = 15.0, kInAir = 45.0, kPushes = 3.0, kTold = 0.4;  // [N], of the push
-  constexpr double kBeneath = 0.5e-3, kBehind = 5e-3, kUnfelt = 8e-3;         // [m], [m], [s]
-  const ContactMode mode = cycle.out.mode;
-  const bool down = mode == ContactMode::contact || mode == ContactMode::approach;
-  const bool there = cycle.surface.status == SurfaceStatus::ok
-                         ? cycle.surface.distance < -kBeneath
-                         : cycle.lag().dot(cycle.arm.X_WE.R.col(2)) > kBehind;
-  const double told = std::abs(cycle.normal_force());
-  const double push = std::max(kLeast / kPushes, cycle.out.push);
-  const double least = mode == ContactMode::contact ? kLeast : kInAir;
-  const bool held = holds_ > std::max(least, kPushes * push) && told < kTold * push;
-  unfelt_ = felt_ && down && there && held ? unfelt_ + dt_ : 0.0;
-  if (unfelt_ < kUnfelt) return {};
-  return {Severity::damp,
-          fmt::format("the pen is held as by {:.0f} N, of which the measured wrench tells {:.1f} N",
-                      holds_, told)};
 }
 
 }  // namespace impedraw

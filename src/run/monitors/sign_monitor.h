@@ -17,12 +17,6 @@
 //   pull      as `wrench`, where the force has pulled at the pen along its axis by 2.5 N for 5 ms:
 //             no surface pulls, and the law already drives the pen into it
 //
-//   unfelt    for 8 ms r tells of a force along the pen of three pushes and 15 N, and the wrench of
-//             less than 0.4 pushes and 2 N, while the pen is 0.5 mm beneath the surface that was
-//             seen or touched, or 5 mm behind on its way to one. On the way down it takes 45 N,
-//             as friction in the joints holds it, too. The sensor is dead. A hand on the arm does
-//             not put the pen there, and the canvas is felt beside it.
-//
 // An arm that shakes, for springs in its joints that nobody told, moves against torques and forces
 // all the time: ⟨y²⟩ counts above 9 times its mean over the last 10 s alone.
 #pragma once
@@ -51,14 +45,14 @@ class SignMonitor {
   // The same, after a cycle.
   Verdict judge(const Cycle& cycle) {
     Verdict found = update(cycle.arm, cycle.F_ext, cycle.out.tau);
-    if (!found) found = unfelt(cycle);
     if (found) found.cause += fmt::format(" at t = {:.3f} s", cycle.next_run_time());
     return found;
   }
 
- private:
-  Verdict unfelt(const Cycle& cycle);
+  // Force along the pen's −z that r tells; 0 without a measured wrench [N].
+  double held() const noexcept { return held_; }
 
+ private:
   // Joints, then the pen's axes.
   using Channels = Eigen::Array<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints + 3, 1>;
   static constexpr std::size_t kHistory = 32;  // steps
@@ -70,11 +64,10 @@ class SignMonitor {
   MomentumObserver observer_;
   std::array<JointVector, kHistory> weightless_;  // τ − g of past steps [Nm]
   JointVector v_;
-  double holds_ = 0.0;   // force along the pen's −z that r tells [N]
-  double unfelt_ = 0.0;  // so long [s]
-  int lasts_ = 0;        // cycles
-  Channels least_;       // √⟨x²⟩ of what is judged [Nm], [N]
-  Channels slow_;        // the share of a step that the slow means follow
+  double held_ = 0.0;
+  int lasts_ = 0;   // cycles
+  Channels least_;  // √⟨x²⟩ of what is judged [Nm], [N]
+  Channels slow_;   // the share of a step that the slow means follow
   Channels quick_, x_slow_, y_slow_;
   Channels size_quick_, size_slow_;  // of τ − g and F_ext
   Channels xx_, xy_, yy_, sizes_;    // ⟨⟩ of squares
