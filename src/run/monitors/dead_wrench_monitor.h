@@ -19,10 +19,10 @@ namespace impedraw {
 
 class DeadWrenchMonitor {
  public:
-  static constexpr double kLeast = 15.0, kInAir = 45.0;            // [N]
-  static constexpr double kPushes = 3.0, kTold = 0.4;              // of the push
-  static constexpr double kBeneath = 0.5e-3, kBehind = 5e-3;       // [m]
-  static constexpr double kConfirm = 8e-3;                         // [s]
+  static constexpr double kLeast = 15.0, kInAir = 45.0;       // [N]
+  static constexpr double kPushes = 3.0, kTold = 0.4;         // of the push
+  static constexpr double kBeneath = 0.5e-3, kBehind = 5e-3;  // [m]
+  static constexpr double kConfirm = 8e-3;                    // [s]
 
   // After each cycle. held: force along the pen's −z by the arm's torques (SignMonitor::held()).
   Verdict judge(const Cycle& cycle, double held) {
