@@ -73,7 +73,7 @@ class Planning {
     const std::vector<StrokePart> lost = lay_on_surface();
     plan_.load = {hardest(s_, artwork_.strokes), s_.control.friction.coefficient,
                   s_.control.torque_share};
-    plan_.rest_q = rest_posture(s_.arm, artwork_, requested(), belief_, setting_errors_);
+    plan_.rest_q = rest_posture(s_.arm, artwork_, requested(), belief_);
     check(lost);
     for (bool done = false; !done;) {
       setting_errors_.locate(placement_setting_names(), [&] { promise(); });

@@ -115,6 +115,19 @@ void check_joint_settings(const Scenario& scenario, const std::filesystem::path&
   check("arm.q_0", scenario.arm.q_0);
   check("control.null_stiffness", scenario.control.null_stiffness);
   check("control.observer.yield_limit", scenario.control.observer.yield_limit);
+  const JointVector &lower = arm.limits().lower, &upper = arm.limits().upper;
+  const auto within = [&](const char* setting, const std::string& name,
+                          const std::vector<double>& q) {
+    for (std::size_t j = 0; j < q.size(); ++j)
+      if (const auto i = static_cast<Eigen::Index>(j); !(q[j] >= lower[i] && q[j] <= upper[i]))
+        setting_errors.raise({setting},
+                             fmt::format("{}: {:.4g} rad is beyond the range of joint {}; valid is "
+                                         "{:.4g} to {:.4g} rad",
+                                         name, q[j], j + 1, lower[i], upper[i]));
+  };
+  within("arm.posture_seed", "arm.posture_seed", scenario.arm.posture_seed);
+  within("arm.q_0", "arm.q_0", scenario.arm.q_0);
+  within("arm.urdf", urdf.string() + ": rest_posture", arm.rest_posture());
 }
 
 double posture_margin(ArmModel& arm, ArmTerms* terms, const JointVector& q) {
@@ -188,32 +201,9 @@ JointVector start_posture(ArmSettings& settings, ArmModel& arm, const Pose& X_WP
   return found.q;
 }
 
-namespace {
-
-std::string joint_text(const JointVector& q) {
-  std::string text;
-  for (double x : q) text += fmt::format("{}{:.2f}", text.empty() ? "" : ", ", x);
-  return text;
-}
-
-JointVector given_rest_posture(const std::vector<double>& given, const ArmModel& arm,
-                               const SettingErrors& setting_errors) {
-  // build_scene() has checked that there is one entry per joint.
-  const JointVector q_0 = Eigen::Map<const Eigen::VectorXd>(given.data(), arm.joints());
-  const JointVector lower = arm.limits().lower, upper = arm.limits().upper;
-  if (((q_0 - lower).array() < 0.0).any() || ((upper - q_0).array() < 0.0).any())
-    setting_errors.raise(
-        {"arm.q_0"}, fmt::format("arm.q_0 ({}) rad lies beyond the joint ranges, ({}) to ({}) rad",
-                                 joint_text(q_0), joint_text(lower), joint_text(upper)));
-  return q_0;
-}
-
-}  // namespace
-
 JointVector rest_posture(const ArmSettings& settings, const PlacedArtwork& artwork,
-                         const std::vector<PlacedStroke>& strokes, const Belief& belief,
-                         const SettingErrors& setting_errors) {
-  if (!settings.q_0.empty()) return given_rest_posture(settings.q_0, belief.arm, setting_errors);
+                         const std::vector<PlacedStroke>& strokes, const Belief& belief) {
+  if (!settings.q_0.empty()) return as_joints(settings.q_0);
   const Eigen::Vector2d centre = artwork.placement.centre_m;
   auto middle = belief.surface(centre.x(), centre.y());
   for (std::size_t i = 0; i < strokes.size() && !middle; ++i) {

@@ -15,8 +15,8 @@
 
 namespace impedraw {
 
-// Throws InputError if arm.posture_seed, arm.q_0 or control.null_stiffness is given with another
-// number of entries than the arm of `urdf` has joints.
+// Throws InputError if a setting of the joints is given with another number of entries than the arm
+// of `urdf` has joints, or a posture of the settings or of the description is beyond their ranges.
 void check_joint_settings(const Scenario& scenario, const std::filesystem::path& urdf,
                           const ArmModel& arm, const SettingErrors& setting_errors);
 
@@ -44,13 +44,9 @@ JointVector start_posture(ArmSettings& settings, ArmModel& arm, const Pose& X_WP
                           const std::function<std::string(const JointVector&)>& touching,
                           std::vector<std::string>* notes);
 
-// The rest posture of the null space.
-
-// Returns arm.q_0 if given. Otherwise the tip is on the surface at the drawing's centre, or, if
-// there is none, at the middle of the first of `strokes` that has one. Throws InputError if q_0 is
-// not a posture of the arm.
+// The rest posture of the null space: arm.q_0 if given. Otherwise the tip is on the surface at the
+// drawing's centre, or, if there is none, at the middle of the first of `strokes` that has one.
 JointVector rest_posture(const ArmSettings& settings, const PlacedArtwork& artwork,
-                         const std::vector<PlacedStroke>& strokes, const Belief& belief,
-                         const SettingErrors& setting_errors);
+                         const std::vector<PlacedStroke>& strokes, const Belief& belief);
 
 }  // namespace impedraw

@@ -74,8 +74,9 @@ DrawnLengths drawn_lengths(const RunData& run, const Promise& promise, const End
     if (part > 0.0) out.not_drawn[reason] += part;
     rest -= part;
   }
-  if (rest > kIgnored)
-    out.not_drawn[ending.end == RunEnd::finished ? "no_ink" : "not_reached"] += rest;
+  const bool broken_off = ending.end == RunEnd::stopped || ending.end == RunEnd::interrupted ||
+                          ending.end == RunEnd::unknown;
+  if (rest > kIgnored) out.not_drawn[broken_off ? "not_reached" : "no_ink"] += rest;
   out.drawn = out.asked;
   for (const auto& [reason, length] : out.not_drawn) out.drawn -= length;
   out.drawn = std::max(0.0, out.drawn);

@@ -83,7 +83,8 @@ std::optional<Promise> read_promise(const std::map<std::string, std::string>& at
 //
 // Drawn: where a row has ink, whatever its place. Gaps of up to 1 mm count as drawn. The rest is,
 // by reason, what the pre-flight left out (names of Problem), what was given up while drawing
-// (Ending::given_up), and what has no ink: `not_reached` where the run ended before, else `no_ink`.
+// (Ending::given_up), and what has no ink: `not_reached` where the run was broken off, else
+// `no_ink`.
 struct DrawnLengths {
   double asked = 0.0, drawn = 0.0;          // [m]
   std::map<std::string, double> not_drawn;  // by reason [m]

@@ -116,6 +116,9 @@ TEST(DrawnLengths, TheRestIsByReason) {
   m = metrics_of(run);
   EXPECT_NEAR(m.at("not_drawn_mm").at("not_reached").get<double>(), 5.1, 1e-4);
   EXPECT_FALSE(m.at("not_drawn_mm").contains("no_ink"));
+  // One that went through its whole plan, far off, did.
+  run.attributes[kEndingAttribute] = ending_text({RunEnd::far_off, "ink is 26 mm off"});
+  EXPECT_FALSE(metrics_of(run).at("not_drawn_mm").contains("not_reached"));
   // A later pass over the gap fills it: the rows of its second half, again.
   MadeUp again = run_with({});
   for (std::size_t i = 1000; i < 1500; ++i) lift(again, i);

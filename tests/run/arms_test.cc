@@ -70,6 +70,18 @@ TEST_F(ArmsTest, SettingsPerJointNameArmAndCount) {
               AllOf(HasSubstr("has 1 entry"), HasSubstr("iiwa14_pen.urdf has 7 joints")));
 }
 
+TEST_F(ArmsTest, PosturesBeyondTheJointRangesNameTheJoint) {
+  for (const std::string name : {"arm.posture_seed", "arm.q_0"})
+    EXPECT_THAT(
+        refusal({name + "=[0, 0.6, 0, -1.4, 0, 2.5, 0]"}),
+        AllOf(HasSubstr("--set " + name), HasSubstr("2.5 rad is beyond the range of joint 6"),
+              HasSubstr("-2.094 to 2.094 rad")));
+  const std::string bent = changed(iiwa_urdf(), "</robot>", "</robot>",
+                                   "<impedraw rest_posture=\"0 0.6 0 -4 0 1.1 0\"/></robot>");
+  EXPECT_THAT(refusal({"arm.urdf=" + write("bent.urdf", bent).string()}),
+              HasSubstr("bent.urdf: rest_posture: -4 rad is beyond the range of joint 4"));
+}
+
 TEST_F(ArmsTest, AStartOutOfReachIsNamedForAnyArm) {
   EXPECT_THAT(refusal({"arm.urdf=" + six(), "arm.start=[2, 0, 0.5]"}),
               HasSubstr("out of the arm's reach"));
