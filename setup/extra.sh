@@ -1,5 +1,5 @@
 # Sourced by ./impedraw after setup/prepare.sh. `prepare_extra NAME` installs the wheels of
-# setup/NAME-requirements.txt, sweep, camera, image or format, into build/NAME-venv, sets $extra to its Python and lets
+# setup/NAME-requirements.txt, sweep, camera, image, format or vpype, into build/NAME-venv, sets $extra to its Python and lets
 # it import impedraw.NAME from the tree, where there is one. `bash setup/extra.sh NAME` does the same for the tests.
 
 if [[ "${BASH_SOURCE[0]}" == "$0" ]]; then
@@ -11,7 +11,7 @@ if [[ "${BASH_SOURCE[0]}" == "$0" ]]; then
 fi
 
 declare -A extra_holds=([sweep]="sweeps (Ray, pyarrow, Optuna: 200 MB to fetch)" [camera]="cameras (OpenCV, SciPy, rosbags, RealSense's SDK: 120 MB to fetch)" [format]="the format (clang-format 14: 2 MB to fetch)"
-  [image]="pictures (SciPy, scikit-image, Pillow: 80 MB to fetch)")
+  [vpype]="comparison with vpype (vpype, Shapely, SciPy: 60 MB to fetch)" [image]="pictures (SciPy, scikit-image, Pillow: 80 MB to fetch)")
 
 prepare_extra() {
   local name=$1 folder=$root/build/$1-venv list=$root/setup/$1-requirements.txt python=/usr/bin/python3 site stamp

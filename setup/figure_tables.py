@@ -49,6 +49,13 @@ SPRINGS = {
     "elastic-harmonic-drive": "the same with a harmonic-drive cobot's springs and rotors, no torque loop, read on the links' side",
 }
 
+ROTORS = {
+    **{f"{s}-rotors-{t}-as-{m}@worst": f"{w}, rotors of {t} kg m², told {m}"
+       for t, models in ((0.1, (0.08, 0.12)), (0.3, (0.24, 0.36))) for m in models for s, w in (("sine", "sine"), ("m", "M"))},
+    **{f"{s}-geared-as-{m}@worst": f"{w}, rotors of 0.1 kg m², told {m}, and the rest of a geared arm"
+       for m in (0.08, 0.12) for s, w in (("sine", "sine"), ("m", "M"))},
+}  # fmt: skip
+
 DISTURBED = ["bowl-sine-real", "bowl-m-real", "bowl-sine-velocity-noise", "bowl-sine-slow-torque",
              "bowl-sine-slow-torque-200", "bowl-sine-unknown", "bowl-m-unknown", "bowl-sine-touch",
              "bowl-m-touch", "bowl-sine-touch-noise", "bowl-m-touch-noise"]
@@ -183,4 +190,9 @@ def springs(t: Tables) -> list[list[str]]:
         SPRINGS, "ink_error_rms:3 force_sd:3 coverage:3 contact_fraction:3")
 
 
-TABLES = {f.__name__: f for f in (springs, readme, standard, realistic, disturbed, seeds, switches, drawings, speeds)}
+def rotors(t: Tables) -> list[list[str]]:
+    return head("", "ink RMS [mm]", "force SD [N]", "coverage", "contact") + t.lines(
+        ROTORS, "ink_error_rms:3 force_sd:3 coverage:3 contact_fraction:3")
+
+
+TABLES = {f.__name__: f for f in (springs, rotors, readme, standard, realistic, disturbed, seeds, switches, drawings, speeds)}

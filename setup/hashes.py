@@ -14,7 +14,7 @@ import tempfile
 from pip._vendor.packaging.requirements import Requirement
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-LISTS = ["requirements.txt", "docs/requirements.txt", "setup/arm-meshes.txt", "setup/sweep-requirements.txt", "setup/camera-requirements.txt", "setup/image-requirements.txt", "setup/format-requirements.txt",
+LISTS = ["requirements.txt", "docs/requirements.txt", "setup/arm-meshes.txt", "setup/sweep-requirements.txt", "setup/camera-requirements.txt", "setup/image-requirements.txt", "setup/vpype-requirements.txt", "setup/format-requirements.txt",
          "setup/wheel-requirements.txt", "tests/python/requirements.txt", "tests/foreign/drake/requirements.txt", "tests/foreign/franka/requirements.txt"]
 PYTHONS = ["3.11", "3.13", "3.14"]  # of Debian 12, 13 and forky
 FOR_ONE = ("setup/arm-meshes.txt", "tests/foreign/")  # data, and simulators that have no other wheels

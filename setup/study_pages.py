@@ -378,7 +378,7 @@ MOVING = {
     "moving-lost": ("conveyor; no frames for 0.5 s; the arm hides half of the bowl", 0, math.inf, math.inf, math.inf, math.inf, 10),
     "standing-noisy": ("none", 1, 0.05, 0.25, 0.1, 0.3, 8),
 }
-MOVING_METRICS = ("contact_fraction", "ink_error_rms", "ink_error_max", "force_sd", "tilt_mean", "touchdown_peak")
+MOVING_METRICS = (("contact_fraction", 3), ("ink_error_rms", 3), ("ink_error_max", 3), ("force_sd", 3), ("tilt_mean", 2), ("touchdown_peak", 1), ("coverage", 2))
 SWITCHES = {"both": "as it is", "no_prediction": "without prediction", "no_feedforward": "without feed-forward"}
 BUDGET = {
     "nothing": "nothing",
@@ -394,11 +394,11 @@ def worst_of_scenario(rows, group, prefix):
     cells = [row for row in rows if row["group"] == group and row["case"].startswith(prefix)]
     limits = next(limits for name, (_, *limits) in MOVING.items() if name in prefix)
     texts = []
-    for i, (metric, limit) in enumerate(zip(MOVING_METRICS, limits)):
-        values = [row[metric] for row in cells]
-        worst = (min if i == 0 else max)((0 if i == 0 else math.inf) if v is None else v for v in values)
-        missed = worst < limit if i == 0 else worst > limit
-        texts.append(("**✗** " if missed else "") + f"{worst:.{(3, 3, 3, 3, 2, 1)[i]}f}")
+    for (metric, places), limit in zip(MOVING_METRICS, limits + [0]):
+        least = metric in ("contact_fraction", "coverage")
+        worst = (min if least else max)((0 if least else math.inf) if row[metric] is None else row[metric] for row in cells)
+        missed = worst < limit if least else worst > limit
+        texts.append(("**✗** " if missed else "") + f"{worst:.{places}f}")
     return texts
 
 
@@ -445,7 +445,7 @@ def moving(rows, folder):
              "![The arm draws \"Hi\" on a bowl that sways and rolls, three times as fast as it goes](images/moving-sway.webp)", "",
              "![Ink error and force against speed, latency, amplitude and frequency](moving.png)", "",
              "## Scenarios", "", *kept_paragraph("moving.md", "The worst of sine and M on five seeds."), "",
-             "| scenario | motion | contact | ink RMS [mm] | ink max [mm] | force SD [N] | tilt mean [deg] | touchdown [N] |", "|---" * 8 + "|"]  # fmt: skip
+             "| scenario | motion | contact | ink RMS [mm] | ink max [mm] | force SD [N] | tilt mean [deg] | touchdown [N] | coverage |", "|---" * 9 + "|"]  # fmt: skip
     for name, (motion, *_) in MOVING.items():
         lines.append(f"| `{name}` | {motion} | " + " | ".join(worst_of_scenario(rows, "scenarios", name + "-")) + " |")
     lines += ["", *kept("moving.md", "## Hands and machines", "## Where the error comes from")]
@@ -466,7 +466,7 @@ def moving(rows, folder):
               "Each frame of 320 × 240 px also has depths (`perception.frames.depth=true`), in which the surface is found again: in each frame (30 Hz), or "
               "in every sixth (5 Hz). The worst of sine and M on two seeds. `./impedraw bench` "
               "measures what frames cost.", "",
-              "| scenario | depths | contact | ink RMS [mm] | ink max [mm] | force SD [N] | tilt mean [deg] | touchdown [N] |", "|---" * 8 + "|"]  # fmt: skip
+              "| scenario | depths | contact | ink RMS [mm] | ink max [mm] | force SD [N] | tilt mean [deg] | touchdown [N] | coverage |", "|---" * 9 + "|"]  # fmt: skip
     for name in MOVING:
         for depths in ("30Hz", "5Hz"):
             case = f"{depths}-{name}-"

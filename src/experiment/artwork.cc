@@ -8,6 +8,7 @@
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/dashes.h"
 #include "impedraw/drawing/hershey.h"
+#include "impedraw/drawing/joined.h"
 #include "impedraw/drawing/order.h"
 #include "impedraw/drawing/simplify.h"
 #include "impedraw/experiment/hatch_distances.h"
@@ -122,8 +123,10 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
   if (s.simplify_mm > 0.0) {
     for (Stroke& stroke : artwork.strokes) stroke = simplified(stroke, s.simplify_mm);
   }
-  if (!s.keep_order)
+  if (!s.keep_order) {
+    artwork.strokes = joined(std::move(artwork.strokes));
     artwork.strokes = in_order(artwork.strokes, shortest_order(artwork.strokes, {}, progress));
+  }
   return {std::move(artwork)};
 }
 
