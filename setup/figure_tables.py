@@ -114,10 +114,11 @@ def readme(t: Tables) -> list[list[str]]:
                 "baseline: no perception")
     for words, metric, decimals in [("ink error, RMS [mm]", "ink_error_rms", 3),
                                     ("ink error, largest [mm]", "ink_error_max", 2),
+                                    ("share of the line that is covered", "coverage", 3),
                                     ("touchdown peak [N]", "touchdown_peak", 1),
                                     ("pen tilt, mean [deg]", "tilt_mean", 2)]:
         rows.append([words, *(t.pair(kind, metric, decimals) for kind in kinds)])
-    rows.insert(4, ["force, 5 N asked: mean ± SD [N]", *map(force, kinds)])
+    rows.insert(5, ["force, 5 N asked: mean ± SD [N]", *map(force, kinds)])
     return rows
 
 
@@ -142,10 +143,10 @@ def realistic(t: Tables) -> list[list[str]]:
 
 def disturbed(t: Tables) -> list[list[str]]:
     """The worst of five seeds of each scenario that lacks something, with its limit beneath."""
-    rows = head("worst of seeds 1 to 5", "contact", "RMS [mm]", "max [mm]", "force [N]", "SD [N]",
-                "touchdown [N]", "speed [mm/s]", "time scale")
-    columns = [("contact_fraction", 3), ("ink_error_rms", 3), ("ink_error_max", 2), ("force_mean", 2),
-               ("force_sd", 3), ("touchdown_peak", 2), ("speed_mean", 1), ("time_scale_mean", 3)]
+    rows = head("worst of seeds 1 to 5", "contact", "RMS [mm]", "max [mm]", "coverage", "force [N]",
+                "SD [N]", "touchdown [N]", "speed [mm/s]", "time scale")
+    columns = [("contact_fraction", 3), ("ink_error_rms", 3), ("ink_error_max", 2), ("coverage", 3),
+               ("force_mean", 2), ("force_sd", 3), ("touchdown_peak", 2), ("speed_mean", 1), ("time_scale_mean", 3)]
     for run in DISTURBED:
         measured = t.bounds["runs"][run]["bounds"]
         rows.append([f"`{run}`", *(t.number(f"{run}@worst.{m}", d) for m, d in columns)])
@@ -163,9 +164,9 @@ def seeds(t: Tables) -> list[list[str]]:
 
 
 def switches(t: Tables) -> list[list[str]]:
-    return head("", "RMS [mm]", "max [mm]", "force [N]", "SD [N]", "touchdown [N]", "tilt [deg]",
+    return head("", "RMS [mm]", "max [mm]", "coverage", "force [N]", "SD [N]", "touchdown [N]", "tilt [deg]",
                 "normal error [deg]") + t.lines(
-        SWITCHES, "ink_error_rms:3 ink_error_max:2 force_mean:3 force_sd:3 touchdown_peak:2 "
+        SWITCHES, "ink_error_rms:3 ink_error_max:2 coverage:3 force_mean:3 force_sd:3 touchdown_peak:2 "
                   "tilt_mean:3 normal_error_mean:3")
 
 
