@@ -43,42 +43,57 @@ void put(const Tint& over, std::uint8_t blend, Tint& under) {
   under[3] = all;
 }
 
+Tint tint_of(std::uint32_t colour) {
+  const auto part = [&](int shift) { return (colour >> shift & 0xff) / 255.0; };
+  return {part(16), part(8), part(0), 1};
+}
+
 }  // namespace
 
 Colours::Colours(const std::vector<Paint>& paints, const std::vector<PaintGroup>& groups,
                  ClipRegions& clips, const AlignedBox2d& page, double thin)
-    : paints_(paints), groups_(groups), clips_(clips), page_(page), cells_(kCells * kCells) {
-  const RegionMath math(page);
+    : paints_(paints),
+      groups_(groups),
+      clips_(clips),
+      math_(page),
+      page_(page),
+      thin_(thin),
+      cells_(kCells * kCells) {
   std::size_t offset = 0;
   for (const Paint& paint : paints) {
     const int number = static_cast<int>(&paint - paints.data());
-    const Area& area = paint.area;
-    if (paint.opacity > 0 && !area.outlines.empty()) {
+    if (paint.opacity > 0 && !paint.area.outlines.empty()) {
+      Layer layer{number, false, paint.area, {}, {}, {}};
+      if (!paint.inked) layer.area.colour = 0xffffff;
       const Vector2d spare = Vector2d::Constant(3 * paint.soft);
-      const AlignedBox2d box = outlines_box(area.outlines);
-      add({number, false, area.even_odd, paint.inked ? area.colour : 0xffffff,
-           RegionIndex(area.outlines)},
-          {box.min() - spare, box.max() + spare});
+      const AlignedBox2d box = outlines_box(layer.area.outlines);
+      layer.box = {box.min() - spare, box.max() + spare};
+      add(std::move(layer));
     }
-    Outlines covered;
+    Layer layer{number, true, {}, {}, {}, {}};
     for (const Stroke& line : paint.strokes) {
       if (line.edge || line.dash >= 0 || line.width <= thin) continue;
       offset += line.points.size();
       if (offset > kMostOffset) break;
-      // An edge along its rim is seen.
-      const double width = line.width - thin / 16;
-      for (auto& outline : math.stroked(line.points, width, line.closed, paint.round))
-        covered.push_back(std::move(outline));
+      const Vector2d beside = Vector2d::Constant(kMostReach * line.width);
+      for (const Vector2d& p : line.points) layer.box.extend(AlignedBox2d(p - beside, p + beside));
+      layer.strokes.push_back(line);
     }
-    if (!covered.empty())
-      add({number, true, false, paint.strokes.back().colour, RegionIndex(covered)},
-          outlines_box(covered));
+    if (layer.strokes.empty()) continue;
+    layer.area.colour = paint.strokes.back().colour;
+    add(std::move(layer));
   }
 }
 
-void Colours::add(Layer layer, AlignedBox2d box) {
+void Colours::add(Layer layer) {
   const int number = static_cast<int>(layers_.size());
+  const Paint& paint = paints_[layer.paint];
+  const bool shaded = layer.of_stroke ? paint.shaded_strokes : paint.shaded;
+  const double opacity = layer.of_stroke ? paint.stroke_opacity : paint.opacity;
+  mixes_ |= shaded || opacity < 1 || paint.soft > 0 || paint.group >= 0 || paint.clip >= 0;
+  colours_.emplace(layer.of_stroke, layer.area.colour);
   layers_.push_back(std::move(layer));
+  const AlignedBox2d& box = layers_.back().box;
   if ((8 * box.sizes().array() > page_.sizes().array()).any()) return large_.push_back(number);
   const Vector2d cell = page_.sizes() / kCells;
   for (double y = box.min().y(); y < box.max().y() + cell.y(); y += cell.y()) {
@@ -95,23 +110,34 @@ std::size_t Colours::cell_of(const Vector2d& p) const {
   return static_cast<std::size_t>(at.y() * kCells + at.x());
 }
 
-double Colours::coverage(const Layer& layer, const Vector2d& p) const {
-  const double soft = paints_[layer.paint].soft;
-  if (soft == 0) return layer.region.inside(p, layer.even_odd);
+double Colours::coverage(Layer& layer, const Vector2d& p) const {
+  const Paint& paint = paints_[layer.paint];
+  if (paint.soft == 0 && !layer.box.contains(p)) return 0;
+  if (!layer.region) {
+    for (const Stroke& line : layer.strokes) {
+      // An edge along its rim is seen.
+      const double width = line.width - thin_ / 16;
+      for (auto& outline : math_.stroked(line.points, width, line.closed, paint.round))
+        layer.area.outlines.push_back(std::move(outline));
+    }
+    layer.region.emplace(layer.area.outlines);
+    layer.area.outlines.clear(), layer.strokes.clear();
+  }
+  const bool even_odd = layer.area.even_odd;
+  if (paint.soft == 0) return layer.region->inside(p, even_odd);
   int inside = 0;
   for (int i = 0; i < kSamples; ++i) {  // a sunflower of even shares of the blur
-    const double r = soft * std::sqrt(-2 * std::log((i + 0.5) / kSamples)), angle = 2.39996 * i;
-    inside +=
-        layer.region.inside(p + r * Vector2d(std::cos(angle), std::sin(angle)), layer.even_odd);
+    const double r = paint.soft * std::sqrt(-2 * std::log((i + 0.5) / kSamples)),
+                 angle = 2.39996 * i;
+    inside += layer.region->inside(p + r * Vector2d(std::cos(angle), std::sin(angle)), even_odd);
   }
   return static_cast<double>(inside) / kSamples;
 }
 
 Tint Colours::tint(int number, bool of_stroke, std::uint32_t colour, const Vector2d& p) const {
   const Paint& paint = paints_[number];
-  const auto part = [&](int shift) { return (colour >> shift & 0xff) / 255.0; };
-  Tint tint(part(16), part(8), part(0), 1);
-  if (of_stroke ? paint.shaded_strokes : paint.shaded) tint = paint.shade(p, of_stroke);
+  const bool shaded = of_stroke ? paint.shaded_strokes : paint.shaded;
+  Tint tint = shaded ? paint.shade(p, of_stroke) : tint_of(colour);
   tint[3] *= of_stroke ? paint.stroke_opacity : paint.opacity;
   if (paint.clip >= 0) tint[3] *= clips_.light(paint.clip, p);
   return tint;
@@ -140,16 +166,23 @@ std::optional<Tint> Colours::at(const Vector2d& p, int own, std::uint32_t own_co
     }
     if (next < 0) break;
     large != large_.rend() && *large == next ? void(++large) : void(++small);
-    const Layer& layer = layers_[next];
+    Layer& layer = layers_[next];
     if (++asked_ > kMostAsked) return std::nullopt;
     // A stroke on one of its colour is one more line of the pen.
-    if (own >= 0 && layer.of_stroke && layer.colour == own_colour) continue;
+    if (own >= 0 && layer.of_stroke && layer.area.colour == own_colour) continue;
     double covered = coverage(layer, p + side);
     if (!side.isZero(0.0)) covered = (covered + coverage(layer, p - side)) / 2;
-    if (covered > 0) take(layer.paint, layer.of_stroke, layer.colour, covered);
+    if (covered > 0) take(layer.paint, layer.of_stroke, layer.area.colour, covered);
   }
   std::reverse(tints.begin(), tints.end());
   return mixed(tints);
+}
+
+bool Colours::is_unlike_all(const Tint& tint, std::uint32_t own_colour, double least) const {
+  return !mixes_ && std::all_of(colours_.begin(), colours_.end(), [&](const auto& layers) {
+    const auto [of_stroke, colour] = layers;
+    return (of_stroke && colour == own_colour) || ((tint_of(colour) - tint).abs() >= least).any();
+  });
 }
 
 bool Colours::is_within(int inner, int outer) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <polyclipping/clipper.hpp>
 
@@ -16,8 +17,8 @@ namespace cl = ClipperLib;
 constexpr double kRegionFineness = 5e8;  // of half the box; from 2^30 Clipper needs wider integers
 constexpr double kLeastFineness = 1e5;   // steps per millimetre, then with wider integers
 constexpr double kMostCrossings = 4e6;   // of one operation, which take 200 bytes each
-constexpr double kMitre = 4;             // SVG's limit
-constexpr double kRound = 2e-3;          // of a round cap's chords, of the stroke's width
+constexpr double kMitre = 2 * kMostReach;  // SVG's limit
+constexpr double kRound = 2e-3;            // of a round cap's chords, of the stroke's width
 
 cl::Paths to_clipper(const Outlines& outlines, const Vector2d& centre, double fineness) {
   cl::Paths paths;
@@ -148,37 +149,40 @@ RegionIndex::RegionIndex(const Outlines& region) : box_(outlines_box(region)) {
     for (std::size_t i = 0; i < outline.size(); ++i) {
       edges_.push_back({outline[i], outline[(i + 1) % outline.size()]});
       climbed += std::abs(edges_.back().b.y() - edges_.back().a.y());
+      widest_ = std::max(widest_, std::abs(edges_.back().b.x() - edges_.back().a.x()));
     }
   }
   if (edges_.empty()) return;
+  std::sort(edges_.begin(), edges_.end(),
+            [](const Edge& a, const Edge& b) { return a.left() < b.left(); });
   const double tall = box_.sizes().y(), count = static_cast<double>(edges_.size());
-  // An edge stands in about eight strips.
-  const double strips = std::clamp(8 * count * tall / std::max(climbed, 1e-9), 1.0, count);
-  strips_.resize(static_cast<std::size_t>(strips));
-  height_ = std::max(tall / static_cast<double>(strips_.size()), 1e-12);
-  for (std::size_t i = 0; i < edges_.size(); ++i) {
-    const auto [low, high] = std::minmax(edges_[i].a.y(), edges_[i].b.y());
-    for (std::size_t s = strip_of(low), last = strip_of(high); s <= last; ++s)
-      strips_[s].push_back(static_cast<int>(i));
-    widest_ = std::max(widest_, std::abs(edges_[i].b.x() - edges_[i].a.x()));
-  }
-  for (std::vector<int>& strip : strips_)
-    std::sort(strip.begin(), strip.end(), [this](int i, int j) { return left(i) < left(j); });
+  // An edge stands in about four strips.
+  const double strips = std::clamp(4 * count * tall / std::max(climbed, 1e-9), 1.0, count);
+  starts_.resize(static_cast<std::size_t>(strips) + 1);
+  height_ = std::max(tall / std::floor(strips), 1e-12);
+  const auto each_strip = [&](const auto& act) {
+    for (std::size_t i = edges_.size(); i-- > 0;) {
+      const auto [low, high] = std::minmax(edges_[i].a.y(), edges_[i].b.y());
+      for (std::size_t s = strip_of(low), last = strip_of(high); s <= last; ++s)
+        act(starts_[s], static_cast<int>(i));
+    }
+  };
+  each_strip([](std::size_t& edges, int) { ++edges; });
+  std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+  in_strips_.resize(starts_.back());
+  each_strip([this](std::size_t& end, int edge) { in_strips_[--end] = edge; });
 }
 
 std::size_t RegionIndex::strip_of(double y) const {
-  const double last = static_cast<double>(strips_.size() - 1);
+  const double last = static_cast<double>(starts_.size() - 2);
   return static_cast<std::size_t>(std::clamp((y - box_.min().y()) / height_, 0.0, last));
 }
 
-double RegionIndex::left(int edge) const {
-  return std::min(edges_[edge].a.x(), edges_[edge].b.x());
-}
-
 std::span<const int> RegionIndex::reaching(std::size_t strip, double x) const {
-  const std::vector<int>& edges = strips_[strip];
+  const int* const first = in_strips_.data();
+  const std::span edges(first + starts_[strip], first + starts_[strip + 1]);
   const double from = x - (1.0 + kBeyond) * widest_;
-  const auto is_left = [this](int i, double of) { return left(i) < of; };
+  const auto is_left = [this](int i, double of) { return edges_[i].left() < of; };
   return {std::lower_bound(edges.begin(), edges.end(), from, is_left), edges.end()};
 }
 
@@ -200,7 +204,7 @@ void RegionIndex::crossings(const Vector2d& a, const Vector2d& b, std::vector<do
   if (!box.intersects(box_)) return;
   for (std::size_t s = strip_of(box.min().y()), last = strip_of(box.max().y()); s <= last; ++s) {
     for (const int i : reaching(s, box.min().x())) {
-      if (left(i) > box.max().x() + kBeyond * widest_) break;
+      if (edges_[i].left() > box.max().x() + kBeyond * widest_) break;
       const Vector2d along = b - a, edge = edges_[i].b - edges_[i].a, to = edges_[i].a - a;
       const double turn = cross(along, edge);
       if (turn == 0) continue;

@@ -5,6 +5,7 @@
 // turn one way, holes the other.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,8 @@
 namespace impedraw {
 
 using Outlines = std::vector<std::vector<Eigen::Vector2d>>;
+
+inline constexpr double kMostReach = 2;  // of a stroke beside its line, in widths: mitres
 
 Eigen::AlignedBox2d outlines_box(const Outlines& outlines);
 double enclosed_area(const Outlines& outlines);  // of a result [mm²]
@@ -54,16 +57,18 @@ class RegionIndex {
  private:
   struct Edge {
     Eigen::Vector2d a, b;
+    double left() const { return std::min(a.x(), b.x()); }
   };
   // Clamped to the strips that there are.
   std::size_t strip_of(double y) const;
 
-  double left(int edge) const;  // least x [mm]
   // The edges of a strip that may reach x or lie beyond it, from left to right.
   std::span<const int> reaching(std::size_t strip, double x) const;
 
-  std::vector<Edge> edges_;
-  std::vector<std::vector<int>> strips_;  // edges in each strip of y, from left to right
+  std::vector<Edge> edges_;  // from left to right
+  // Edges in strips of y, each from left to right, and where each strip starts and the last ends.
+  std::vector<int> in_strips_;
+  std::vector<std::size_t> starts_;
   Eigen::AlignedBox2d box_;
   double height_ = 1, widest_ = 0;  // of a strip; of the edges [mm]
 };

@@ -29,7 +29,6 @@ constexpr double kUpright = 1e-4;         // direction of an edge that may lie b
 constexpr double kLook = 1.0 / 1000;      // of the diagonal: between places that are compared
 constexpr std::size_t kMostCovering = 100'000;    // points of strokes that hide others
 constexpr std::size_t kMostCompared = 2'000'000;  // points of strokes over the paints
-constexpr double kMostReach = 2;                  // of a stroke beside its line, in widths: mitres
 constexpr std::size_t kMostRims = 64;             // strokes over one paint that leave it a rim
 constexpr double kThinRim = 0.02;  // of a stroke's width: what is left of it is too thin to draw
 
@@ -316,9 +315,11 @@ class Eye {
       const auto is_seen = [&](const Vector2d& p, const Vector2d& along) {
         const Vector2d side = beside * Vector2d(-along.y(), along.x());
         const Vector2d near = (kSeam * hair_ / beside) * side;
+        auto ink_a = stroke.edge ? std::nullopt : at(p + near, true);
+        if (ink_a && colours_.is_unlike_all(*ink_a, stroke.colour, kSame)) return true;
         const auto a = at(p + side, false), b = at(p - side, false);
-        const auto ink_a = stroke.edge ? b : at(p + near, true),
-                   ink_b = stroke.edge ? a : at(p - near, true);
+        if (stroke.edge) ink_a = b;
+        const auto ink_b = stroke.edge ? a : at(p - near, true);
         if (!a || !b || !ink_a || !ink_b) return in_part_ = true;
         const auto differ = [](const Tint& one, const Tint& other, double least) {
           return ((one - other).abs() >= least).any();
