@@ -11,8 +11,8 @@ constexpr std::chrono::milliseconds kPoll{1};
 }  // namespace
 
 CanvasWatch::CanvasWatch(std::unique_ptr<CanvasTracker> tracker,
-                         std::unique_ptr<GrowingSurface> surface, NextFrame frames,
-                         double stamp_error, bool lock_step)
+                         std::unique_ptr<GrowingSurface> surface,
+                         std::unique_ptr<FrameSource> frames, double stamp_error, bool lock_step)
     : tracker_(std::move(tracker)),
       surface_(std::move(surface)),
       frames_(std::move(frames)),
@@ -34,24 +34,24 @@ void CanvasWatch::end() {
   taker_.join();
 }
 
-bool CanvasWatch::take_frames(double time) {
+bool CanvasWatch::take_frame(double time) {
   const double lag = stamp_lag_;
-  bool any = lag != restamped_;
-  if (any) tracker_->restamp(restamped_ - lag);
+  const bool restamps = lag != restamped_;
+  if (restamps) tracker_->restamp(restamped_ - lag);
   restamped_ = lag;
-  for (CanvasFrame frame; frames_(time, &frame); any = true) {
-    frame.time -= stamp_error_ + lag;
-    tracker_->add(frame);
-    if (surface_ && frame.depth) surface_->offer(tracker_->shape()->model().points(), time);
-  }
-  return any;
+  CanvasFrame frame;
+  if (!frames_->next(time, &frame)) return restamps;
+  frame.time -= stamp_error_ + lag;
+  tracker_->add(frame);
+  if (surface_ && frame.depth) surface_->offer(tracker_->shape()->model().points(), time);
+  return true;
 }
 
 void CanvasWatch::take_frames_until_the_end() {
   stage_.wait(0);
   while (stage_ == 1) {
     tracker_->follow(now_);  // tells it how late frames are
-    if (take_frames(now_)) {
+    if (take_frame(now_)) {
       latest_.slot() = tracker_->belief();
       latest_.give();
     } else {
@@ -60,9 +60,11 @@ void CanvasWatch::take_frames_until_the_end() {
   }
 }
 
-void CanvasWatch::update(double time) noexcept {
+void CanvasWatch::update(double time, const JointVector& q) noexcept {
+  frames_->note_joints(time, q);
   if (lock_step_) {
-    take_frames(time);
+    while (take_frame(time)) {
+    }
   } else {
     now_ = time;
     latest_.refresh();

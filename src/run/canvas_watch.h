@@ -2,31 +2,28 @@
 //
 // In lock-step frames are taken by the control loop's thread, at the cycle at which they arrive, so
 // that a run does not depend on the machine. On a wall clock a thread of its own takes them from
-// the driver. The loop then uses what has been found so far: it never waits, allocates nothing and
+// their source. The loop then uses what has been found so far: it never waits, allocates nothing and
 // takes no lock (common/exchange.h).
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <memory>
+#include <string>
 #include <thread>
 
 #include "impedraw/common/exchange.h"
 #include "impedraw/perception/canvas_tracker.h"
 #include "impedraw/perception/felt_motion.h"
 #include "impedraw/perception/growing_surface.h"
-#include "impedraw/run/driver.h"
+#include "impedraw/run/frame_source.h"
 
 namespace impedraw {
-
-// The next of the frames that have arrived by a time [s], as Driver::next_frame(); false: none.
-using NextFrame = std::function<bool(double time, CanvasFrame* frame)>;
 
 class CanvasWatch {
  public:
   // surface: null where the surface stays as the snapshot saw it. stamp_error: FrameSettings [s].
   CanvasWatch(std::unique_ptr<CanvasTracker> tracker, std::unique_ptr<GrowingSurface> surface,
-              NextFrame frames, double stamp_error, bool lock_step);
+              std::unique_ptr<FrameSource> frames, double stamp_error, bool lock_step);
   ~CanvasWatch() { end(); }
   CanvasWatch(const CanvasWatch&) = delete;
   CanvasWatch& operator=(const CanvasWatch&) = delete;
@@ -34,9 +31,11 @@ class CanvasWatch {
   // After the driver was started, and before it is stopped.
   void begin();
   void end();
+  // The source's, after the end.
+  std::string remark() const { return frames_->remark(); }
 
-  // Once per control step, before the following.
-  void update(double time) noexcept;
+  // Once per control step, before the following. The arm is at q.
+  void update(double time, const JointVector& q) noexcept;
   CanvasEstimate follow(double time) noexcept;
   // The tip in this step, where a wrench is measured.
   void feel(const PenTouch& pen, double time) noexcept {
@@ -51,12 +50,12 @@ class CanvasWatch {
   }
 
  private:
-  bool take_frames(double time);
+  bool take_frame(double time);  // true: what is known changed
   void take_frames_until_the_end();
 
   std::unique_ptr<CanvasTracker> tracker_;  // on a wall clock, of the other thread
   std::unique_ptr<GrowingSurface> surface_;
-  NextFrame frames_;
+  std::unique_ptr<FrameSource> frames_;
   double stamp_error_;
   bool lock_step_;
   FeltMotion felt_;

@@ -265,6 +265,7 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
         "note: the canvas's shape does not show whether it {}; it is taken not to; "
         "perception.fiducials would tell\n",
         drawing.outcome.canvas_open);
+  if (!drawing.outcome.frames.empty()) say(stderr, "note: {}\n", drawing.outcome.frames);
   for (const std::string& cause : drawing.outcome.damped)
     say(stderr, "note: {}; the drawing went on beyond that place\n", cause);
   for (const std::string& remark : drawing.outcome.remarks) say(stderr, "note: {}\n", remark);

@@ -97,7 +97,7 @@ DrivenArm::~DrivenArm() {
 Cycle DrivenArm::step(const PathSample& desired, const Law& law, double time_scale) {
   while (waits_ && hooks_.held && hooks_.held(time())) {
   }
-  if (watch_) watch_->update(time());
+  if (watch_) watch_->update(time(), state_->q);
   Cycle cycle{.time = time(),
               .run_time = run_time(),
               .dt = e_.control.impedance.timing.dt,
@@ -171,6 +171,14 @@ void DrivenArm::keep(Cycle* cycle) {
   }
   cycle->inked = writes(e_, out_.mode, cycle->normal_force(), out_.push) && in_place(e_, *cycle);
   ink_.add(cycle->desired.stroke, cycle->desired.along, cycle->inked);
+}
+
+const LoopRecord& DrivenArm::finish() {
+  if (watch_) {
+    watch_->end();
+    record_.frames = watch_->remark();
+  }
+  return record_;
 }
 
 void DrivenArm::end_at_zero() {

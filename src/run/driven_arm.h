@@ -94,7 +94,8 @@ class DrivenArm {
   // The tip in the canvas's frame.
   Pose X_KE() const { return loop_.canvas().pose().inverse() * X_WE(); }
 
-  const LoopRecord& record() const { return record_; }
+  // No step follows.
+  const LoopRecord& finish();
   std::vector<IncidentRow> last_rows() const { return last_.rows(); }
   WallTimes close_log(const WallTimes& wall, const Ending& ending);
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "impedraw/run/played_capture.h"
+#include "impedraw/run/streamed_capture.h"
 
 namespace impedraw {
 namespace {
@@ -45,15 +45,13 @@ std::unique_ptr<CanvasWatch> canvas_watch(const Experiment& e, Driver& driver, c
   const PerceptionSettings& p = e.scenario.perception;
   std::unique_ptr<CanvasTracker> tracker = canvas_tracker(e, X_WK);
   if (!tracker) return nullptr;
-  const bool lock_step = driver.info().waits;
+  std::unique_ptr<FrameSource> frames = std::make_unique<DriverFrames>(driver);
+  if (p.source == PerceptionSource::capture)
+    frames = capture_frames(p, e.belief.arm, e.belief.camera_corrections);
+  const bool lock_step = driver.info().waits && !frames->streams();
   std::unique_ptr<GrowingSurface> surface;
   if (tracker->shape() && p.frames.grow_surface)
     surface = std::make_unique<GrowingSurface>(*e.belief.perception, p.normals, lock_step);
-  NextFrame frames = [&driver](double, CanvasFrame* frame) { return driver.next_frame(frame); };
-  if (p.source == PerceptionSource::capture)
-    frames = [played =
-                  std::make_shared<PlayedCapture>(p, e.belief.arm, e.belief.camera_corrections)](
-                 double time, CanvasFrame* frame) { return played->next(time, frame); };
   return std::make_unique<CanvasWatch>(std::move(tracker), std::move(surface), std::move(frames),
                                        p.frames.stamp_error, lock_step);
 }

@@ -1,6 +1,7 @@
 #include "impedraw/run/played_capture.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,73 +14,71 @@ namespace {
 
 constexpr std::size_t kMostCameras = 16;
 
-Eigen::Map<const Eigen::VectorXd> vector_of(const std::vector<double>& q) {
-  return {q.data(), static_cast<Eigen::Index>(q.size())};
-}
-
 }  // namespace
 
-PlayedCapture::PlayedCapture(const PerceptionSettings& settings, const ArmModel& arm,
-                             const std::vector<CameraCorrection>& corrections)
-    : latency_(settings.frames.latency), arm_(arm) {
-  if (!settings.frames.depth)
-    throw InputError(
-        "perception.frames.depth is false, and a capture that is played back has depths alone; "
-        "valid is true");
-  capture_ = read_capture(
-      settings.capture,
-      [this](const std::vector<double>& q) { return arm_.tip_pose(vector_of(q)); }, true);
-  if (capture_.played.empty())
+CaptureCameras::CaptureCameras(const PerceptionSettings& settings, const ArmModel& arm,
+                               std::vector<CameraCorrection> corrections)
+    : arm_(arm),
+      corrections_(std::move(corrections)),
+      width_(settings.frames.width),
+      height_(settings.frames.height),
+      file_(settings.capture / "capture.json") {}
+
+void CaptureCameras::add(int camera, const CapturedView& view) {
+  const auto number = static_cast<std::size_t>(camera);
+  const Pose T = number < corrections_.size() ? corrections_[number].T : Pose();
+  cameras_.try_emplace(camera, view.lens, T * view.X_WC, width_, height_);
+  if (cameras_.size() > kMostCameras)
     throw InputError(fmt::format(
-        "{}: no view has a 'time' above 0, and perception.frames.enabled asks for frames; valid "
-        "are times from the beginning of the run on, or perception.frames.enabled: false",
-        (settings.capture / "capture.json").string()));
+        "{}: its frames were taken from more than {} places; valid are cameras that stand",
+        file_.string(), kMostCameras));
+}
+
+bool CaptureCameras::show(int camera, CapturedView* view, CanvasFrame* frame) {
+  try {
+    read_depth(view);
+    clean(view);
+  } catch (const InputError&) {
+    return false;
+  }
+  const Rectified& rectified = cameras_.at(camera);
+  rectified.depths(view->depth, &image_);
+  view->depth = {};
+  body_.clear();
+  const Eigen::Map<const Eigen::VectorXd> q(view->joints.data(),
+                                            static_cast<Eigen::Index>(view->joints.size()));
+  if (q.size() == arm_.joints())
+    for (const BodyCapsule& c : arm_.body_capsules(q)) body_.push_back({c.a_W, c.b_W, c.radius});
+  *frame = {};
+  frame->camera = camera;
+  frame->depth = &image_;
+  frame->camera_model = &rectified.camera();
+  frame->arm = body_;
+  return true;
+}
+
+PlayedCapture::PlayedCapture(Capture capture, double latency, CaptureCameras cameras)
+    : capture_(std::move(capture)), latency_(latency), cameras_(std::move(cameras)) {
   std::vector<Pose> places;
-  const auto number_of = [&places](const CapturedView& view) {
-    const auto same = [&view](const Pose& X) { return X.p == view.X_WC.p && X.R == view.X_WC.R; };
-    return static_cast<int>(std::find_if(places.begin(), places.end(), same) - places.begin());
-  };
   for (CapturedView& view : capture_.views) {
     places.push_back(view.X_WC);
     view = {};
   }
   for (const CapturedView& view : capture_.played) {
-    const int camera = number_of(view);
-    if (camera == static_cast<int>(places.size())) places.push_back(view.X_WC);
-    camera_of_.push_back(camera);
-    const auto number = static_cast<std::size_t>(camera);
-    const Pose T = number < corrections.size() ? corrections[number].T : Pose();
-    cameras_.try_emplace(camera, view.lens, T * view.X_WC, settings.frames.width,
-                         settings.frames.height);
-    if (cameras_.size() > kMostCameras)
-      throw InputError(fmt::format(
-          "{}: its frames were taken from more than {} places; valid are cameras that stand",
-          (settings.capture / "capture.json").string(), kMostCameras));
+    const auto at = std::find_if(places.begin(), places.end(), [&view](const Pose& X) {
+      return X.p == view.X_WC.p && X.R == view.X_WC.R;
+    });
+    camera_of_.push_back(static_cast<int>(at - places.begin()));
+    if (at == places.end()) places.push_back(view.X_WC);
+    cameras_.add(camera_of_.back(), view);
   }
 }
 
 bool PlayedCapture::next(double time, CanvasFrame* frame) noexcept {
   while (next_ < capture_.played.size() && *capture_.played[next_].time + latency_ <= time) {
-    const Rectified& camera = cameras_.at(camera_of_[next_]);
-    CapturedView& view = capture_.played[next_++];
-    try {
-      read_depth(&view);
-      clean(&view);
-    } catch (const InputError&) {
-      continue;
-    }
-    camera.depths(view.depth, &image_);
-    view.depth = {};
-    body_.clear();
-    if (static_cast<int>(view.joints.size()) == arm_.joints())
-      for (const BodyCapsule& c : arm_.body_capsules(vector_of(view.joints)))
-        body_.push_back({c.a_W, c.b_W, c.radius});
-    *frame = {};
+    CapturedView& view = capture_.played[next_];
+    if (!cameras_.show(camera_of_[next_++], &view, frame)) continue;
     frame->time = *view.time;
-    frame->camera = camera_of_[next_ - 1];
-    frame->depth = &image_;
-    frame->camera_model = &camera.camera();
-    frame->arm = body_;
     return true;
   }
   return false;

@@ -93,6 +93,7 @@ struct LoopRecord {
   std::map<std::string, double> met;
   std::optional<SlowVelocity> slow_velocity;
   double stamp_lag = 0.0;  // of frames, as it was found while drawing (stamp_lag.h) [s]
+  std::string frames;      // FrameSource::remark()
 };
 
 // `end` is never nothing_drawn or far_off: those are judged from the log.
