@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import pathlib
 import sys
@@ -15,12 +16,13 @@ from .board import Board
 from .folder import CaptureFolder, Frame, Intrinsics, pose_json, pose_of, read_views
 from .hand_eye import DEPTH_SIGMA, PIXEL_SIGMA, Calibration, Refused, View, calibrate, pose
 from .realsense import RealSense, is_recording, median
+from .stream import stream
 
 RAW = argparse.RawDescriptionHelpFormatter
 
 
 def note(text: str) -> None:
-    print(f"impedraw: {text}", file=sys.stderr)
+    print(f"impedraw: {text}\n", end="", file=sys.stderr)  # whole lines, whatever thread they come from
 
 
 def tip_pose(arm: pathlib.Path | None, joints: list[float]) -> np.ndarray:
@@ -251,45 +253,67 @@ def run_capture(arguments: list[str]) -> int:
         prog="impedraw capture", formatter_class=RAW,
         description="Take a capture with a camera that is plugged in, or import a recording ('impedraw capture import --help').",
         epilog="Each view is the median of --frames images. With --views more than one, the program waits for the enter key before each,\n"
-        "or, with --ask-joints, for the arm's joints there.\n\nExamples:\n"
+        "or, with --ask-joints, for the arm's joints there. Several cameras each give one, or, with --stream, all that they see.\n\nExamples:\n"
         "  impedraw capture --camera realsense --into capture --calibration commissioning\n"
+        "  impedraw capture --camera realsense --into /dev/shm/eyes --calibration commissioning --stream\n"
         "  impedraw capture --camera realsense --views 15 --ask-joints --into views\n"
         "  impedraw capture import d405.db3 --into capture --calibration commissioning")  # fmt: skip
-    parser.add_argument("--camera", choices=["realsense"], default="realsense")
-    parser.add_argument("--recording", help="a file of the SDK in place of a camera")
+    parser.add_argument("--camera", action="append", type=serial_of, metavar="realsense[:SERIAL]", help="once for each camera (default: realsense)")
+    parser.add_argument("--recording", action="append", help="a file of the SDK in place of a camera, once for each")
     parser.add_argument("--into", type=pathlib.Path, required=True, help="folder of the capture")
     parser.add_argument("--overwrite", action="store_true", help="replace the capture in that folder")
     parser.add_argument("--frames", type=int, default=15, help="images of a view, of which the median is taken (default: 15)")
     parser.add_argument("--views", type=int, default=1, help="how many, one each time enter is pressed (default: 1)")
     parser.add_argument("--preset", help="of the camera, as in 'High Accuracy'")
     parser.add_argument("--laser", type=float, help="power of the camera's projector [mW]")
-    parser.add_argument("--calibration", type=pathlib.Path, help="folder that calibrate-camera wrote the camera's pose to")
+    parser.add_argument("--calibration", action="append", type=pathlib.Path, help="folder that calibrate-camera wrote the camera's pose to, once for each camera")
+    parser.add_argument("--stream", action="store_true", help="go on until interrupted: keep the newest images in the folder, for a canvas that moves while it is drawn on")
     parser.add_argument("--joints", type=numbers, metavar="Q1,Q2,…", help="the arm's joints while it stands [rad]")
     parser.add_argument("--ask-joints", action="store_true", help="ask for the arm's joints at each view")
     options = parser.parse_args(arguments)
     if options.frames < 1 or options.views < 1:
         parser.error("--frames and --views: valid are numbers from 1")
-    known = camera_pose(options.calibration)
-    camera = RealSense(options.recording, options.preset, options.laser)
-    with CaptureFolder(options.into, options.overwrite) as folder:
-        camera.open()
-        try:
-            for number in range(1, options.views + 1):
-                joints = options.joints
-                if options.ask_joints:
-                    joints = numbers(input(f"view {number}: the arm's joints [rad], between commas: "))
-                elif options.views > 1:
-                    input(f"view {number} of {options.views}: enter takes it ")
-                frame = taken(camera, options.frames)
-                if frame is None:
-                    note(f"the recording ended before view {number}")
-                    break
-                folder.add(camera.intrinsics, frame, joints=joints, **known)
-                print(f"view {number}  {camera.name}, {int((frame.depth > 0).sum())} of {frame.depth.size} px measured")
-        finally:
-            camera.close()
-    print(f"{len(folder.views)} views in {options.into}")
-    return 0
+    if options.stream and options.views > 1:
+        parser.error("--stream: its cameras stand; valid is --views 1")
+    sources = [{"recording": file} for file in options.recording or []] or [{"serial": serial} for serial in options.camera or [None]]
+    known = [camera_pose(folder) for folder in options.calibration or [None] * len(sources)]
+    if len(known) != len(sources):
+        parser.error(f"--calibration: given {len(known)} times for {len(sources)} cameras; valid is once for each, in their order")
+    if options.stream and any("X_WC" not in pose for pose in known):
+        parser.error("--stream: valid are cameras that stand, where calibrate-camera found: a --calibration with X_WC for each")
+    cameras = [RealSense(preset=options.preset, laser=options.laser, **source) for source in sources]
+    with contextlib.ExitStack() as opened:
+        with CaptureFolder(options.into, options.overwrite) as folder:
+            for camera in cameras:
+                camera.open()
+                opened.callback(camera.close)
+            take(cameras, known, folder, options)
+        print(f"{len(folder.views)} views in {options.into}", flush=True)
+        return int(options.stream and not stream(cameras, options.into, folder.views, note))
+
+
+def take(cameras: list[RealSense], known: list[dict], folder: CaptureFolder, options: argparse.Namespace) -> None:
+    for number in range(1, options.views + 1):
+        joints = options.joints
+        if options.ask_joints:
+            joints = numbers(input(f"view {number}: the arm's joints [rad], between commas: "))
+        elif options.views > 1:
+            input(f"view {number} of {options.views}: enter takes it ")
+        for camera, pose in zip(cameras, known):
+            frame = taken(camera, options.frames)
+            if frame is None:
+                note(f"the recording ended before view {number}")
+                return
+            frame.time = None if options.stream else frame.time  # of before any run
+            folder.add(camera.intrinsics, frame, joints=joints, **pose)
+            print(f"view {number}  {camera.name}, {int((frame.depth > 0).sum())} of {frame.depth.size} px measured")
+
+
+def serial_of(text: str) -> str | None:
+    kind, _, serial = text.partition(":")
+    if kind != "realsense":
+        raise argparse.ArgumentTypeError(f"{text}: valid are realsense and realsense:SERIAL")
+    return serial or None
 
 
 COMMANDS = {"calibrate-camera": run_calibrate, "capture": run_capture}

@@ -19,10 +19,10 @@ MODELS = {"brown_conrady": "brown_conrady", "inverse_brown_conrady": "inverse_br
 
 class RealSense:
     """Depth in the depth stream's pixels; colour, if the camera has it, aligned to them. ``recording`` is a file of the
-    SDK, .db3 or, of SDKs before 2.58, .bag."""
+    SDK, .db3 or, of SDKs before 2.58, .bag; ``serial`` names one camera of several."""
 
-    def __init__(self, recording: str | None = None, preset: str | None = None, laser: float | None = None):
-        self._recording, self._preset, self._laser = recording, preset, laser
+    def __init__(self, recording: str | None = None, preset: str | None = None, laser: float | None = None, serial: str | None = None):
+        self.recording, self._preset, self._laser, self._serial = recording, preset, laser, serial
 
     def open(self) -> None:
         try:
@@ -33,13 +33,15 @@ class RealSense:
         self._rs = rs = pyrealsense2
         self._pipeline = rs.pipeline()
         config = rs.config()
-        if self._recording:
-            rs.config.enable_device_from_file(config, self._recording, repeat_playback=False)
+        if self.recording:
+            rs.config.enable_device_from_file(config, self.recording, repeat_playback=False)
+        elif self._serial:
+            config.enable_device(self._serial)
         # What is refused is refused before the SDK's thread reads a recording: to end it at once could end the process.
         profile = self._reached(lambda: config.resolve(rs.pipeline_wrapper(self._pipeline)))
         self._read(profile)
         self.duration = 0.0  # of a recording [s]
-        self._playback = profile.get_device().as_playback() if self._recording else None
+        self._playback = profile.get_device().as_playback() if self.recording else None
         if self._playback:
             self._playback.set_real_time(False)  # before the thread reads, which leaves out frames in real time
             self.duration = self._playback.get_duration().total_seconds()
@@ -49,9 +51,9 @@ class RealSense:
         try:
             return call()
         except RuntimeError as error:
-            if self._recording:
-                raise ValueError(f"{self._recording} is no recording of the RealSense SDK: {error}") from None
-            raise ValueError(f"no RealSense camera answers: {error}; is it plugged in, and does no other program use it?") from None
+            if self.recording:
+                raise ValueError(f"{self.recording} is no recording of the RealSense SDK: {error}") from None
+            raise ValueError(f"no RealSense camera{f' {self._serial}' if self._serial else ''} answers: {error}; is it plugged in, and does no other program use it?") from None
 
     def _read(self, profile: Any) -> None:
         rs = self._rs
@@ -90,25 +92,24 @@ class RealSense:
                 raise ValueError(f"--laser {self._laser:g}: valid are {limits.min:g} to {limits.max:g} mW")
             sensor.set_option(rs.option.laser_power, self._laser)
 
-    def frame(self) -> Frame | None:
-        """The next one; None at the end of a recording."""
+    def frame(self, color: bool = True) -> Frame | None:
+        """The next one; None at the end of a recording. color: whether it is wanted."""
         rs = self._rs
         try:
             ok, frames = self._pipeline.try_wait_for_frames(WAIT)
         except RuntimeError:
             ok = False
         if not ok:
-            if self._recording:
+            if self.recording:
                 return None
             raise ValueError(f"{self.name} gave no frame for {WAIT / 1000:g} s")
-        if self._align:
+        if self._align and color:
             frames = self._align.process(frames)
         depth = frames.get_depth_frame()
-        color = frames.get_color_frame()
         image = None
-        if color:
-            image = np.asanyarray(color.get_data()).copy()
-            if color.profile.format() in (rs.format.bgr8, rs.format.bgra8):
+        if color and (seen := frames.get_color_frame()):
+            image = np.asanyarray(seen.get_data()).copy()
+            if seen.profile.format() in (rs.format.bgr8, rs.format.bgra8):
                 image = image[..., 2::-1]
             image = image[..., :3] if image.ndim == 3 and image.shape[2] >= 3 else None
         return Frame(self._scale * np.asanyarray(depth.get_data()).astype(np.float64), image, 1e-3 * depth.get_timestamp())
