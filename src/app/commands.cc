@@ -111,12 +111,10 @@ SurfacePlace found_on_surface(const SurfaceWish& wish, const Scenario& scenario,
                           [&line](double share) { line.update("placing the drawing", share); });
 }
 
-std::optional<Eigen::Vector2d> size_of_whole(const SurfaceWish& wish, const Scenario& scenario,
-                                             const Places& places, const SurfacePlace& found) {
+std::optional<Eigen::Vector2d> size_of_whole(const SurfaceWish& wish, const SurfacePlace& found) {
   ProgressLine line;
-  return whole_size_mm(scenario, places, wish, found, [&line](double share) {
-    line.update("looking for a size that fits", share);
-  });
+  return whole_size_mm(
+      wish, found, [&line](double share) { line.update("looking for a size that fits", share); });
 }
 
 Scenario placed_on_surface(const SurfacePlace& found) {
@@ -159,7 +157,7 @@ Scenario placed_with_canvas(const Scenario& scenario, const Places& places) {
 Scenario placed(const DrawOptions& options, const Scenario& scenario, const Places& places) {
   if (options.place == "surface") {
     const SurfacePlace found = found_on_surface(options.surface, scenario, places);
-    const auto whole = size_of_whole(options.surface, scenario, places, found);
+    const auto whole = size_of_whole(options.surface, found);
     const Scenario there = placed_on_surface(found);
     if (whole)
       say(stderr, "note: the whole can be drawn {:.0f} × {:.0f} mm large: --shrink\n", whole->x(),

@@ -1,6 +1,7 @@
 #include "impedraw/experiment/place_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -203,15 +204,29 @@ struct PlaceBench::Parts {
   bool moved = false;
   Pose X_WP;
   std::optional<Scene> scene;
-  std::optional<PlaceSearch> search;
+  std::optional<PlaceSearch> search, fresh;  // fresh: nothing failed yet
   Placing placing;
   std::vector<std::vector<Vector2d>> strokes;
   std::vector<Vector2d> drawing;  // points spaced evenly along the strokes, about their middle
 
-  void improve(Checked* best);
-
   // Verdict of a pre-flight of the drawing at a place; `failed`: points of P where it cannot be
   // drawn.
+  struct Verdict {
+    double share = 0.0;
+    std::vector<Vector2d> failed;
+  };
+  std::map<std::array<double, 4>, Verdict> verdicts;  // by centre, turn and scale
+
+  void improve(Checked* best);
+
+  const Verdict& verdict(const PlacementSettings& at) {
+    const auto [found, is_new] = verdicts.try_emplace(
+        {at.centre_m.x(), at.centre_m.y(), at.rotate_deg, at.scale.value_or(0.0)});
+    if (is_new) found->second.share = share_of(at, &found->second.failed);
+    return found->second;
+  }
+
+ private:
   double share_of(const PlacementSettings& placement, std::vector<Vector2d>* failed) {
     Scenario there = s;
     there.drawing.placement = placement;
@@ -221,7 +236,6 @@ struct PlaceBench::Parts {
       double lost = 0.0;
       for (const Finding& f : plan.preflight.findings) {
         lost += f.part.length();
-        if (!failed) continue;
         failed->push_back((X_WP.inverse() * f.p_W).head<2>());
         const PlacedStroke& stroke = put.strokes[static_cast<std::size_t>(f.part.stroke)];
         const PlacedStroke part = part_of(stroke, f.part.from, f.part.to);
@@ -251,6 +265,7 @@ PlaceBench::PlaceBench(const Scenario& scenario, const Places& places, const Sur
         "blind.height: canvas");
 
   parts_->search.emplace(belief.surface, search_settings(s, belief, X_WP, wish));
+  parts_->fresh = parts_->search;
 
   parts_->placing = {s.drawing.placement, artwork.shape.drawn, artwork.placement, {}};
   Eigen::AlignedBox2d box;
@@ -316,7 +331,7 @@ Scenario PlaceBench::scenario_at(const PlaceFound& place) const {
 }
 
 double PlaceBench::share_of_plan(const PlaceFound& place) const {
-  return parts_->share_of(parts_->placing.at(place), nullptr);
+  return parts_->verdict(parts_->placing.at(place)).share;
 }
 
 // The tilts of the drawing plane, towards eight sides, in which the quick search finds the best
@@ -366,7 +381,7 @@ void PlaceBench::Parts::improve(Checked* best) {
       else
         next.place.turn_deg += sign * turn;
       next.placement = placing.at(next.place);
-      next.share = share_of(next.placement, nullptr);
+      next.share = verdict(next.placement).share;
       if (next.share > best->share) *best = next;
     }
     if (best->share == before) way /= 2, turn /= 2;
@@ -376,6 +391,7 @@ void PlaceBench::Parts::improve(Checked* best) {
 SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
                                     const std::function<void(double)>& progress) {
   Parts& parts = *parts_;
+  parts.search = parts.fresh;
   Checked best;
   std::vector<PlaceFound> tried;
   for (double size = 1.0; size >= kSmallest; size *= kShrink) {
@@ -389,10 +405,10 @@ SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
       tried.push_back(place);
       Checked checked{place, parts.placing.at(place)};
       // Points that fail in the pre-flight are avoided from here on.
-      std::vector<Vector2d> failed;
-      checked.share = parts.share_of(checked.placement, &failed);
+      const Parts::Verdict& verdict = parts.verdict(checked.placement);
+      checked.share = verdict.share;
       checked.cost = place.cost + 10.0 * (1.0 - checked.share);
-      parts.search->avoid(failed);
+      parts.search->avoid(verdict.failed);
       whole += checked.share >= kAll;
       ++in_vain;
       if (!checked.better_than(best)) continue;
@@ -405,7 +421,7 @@ SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
   SurfacePlace result;
   if (!(best.share > 0.0)) {  // the given place, whatever the search thinks of it
     best = {given(), parts.placing.at(given())};
-    best.share = parts.share_of(best.placement, nullptr);
+    best.share = parts.verdict(best.placement).share;
   }
   if (!(best.share > 0.0)) return result;
   result.scenario = parts.s;
@@ -430,16 +446,18 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
     };
   };
   between(0.0, 0.1)(0.0);  // a capture's views take seconds to be put onto each other
-  PlaceBench level(scenario, places, wish);
-  SurfacePlace best = level.best_place(wish, between(0.1, 0.4));
+  const auto level = std::make_shared<PlaceBench>(scenario, places, wish);
+  SurfacePlace best = level->best_place(wish, between(0.1, 0.4));
+  best.bench = level;
   if (best.share < kNearlyAll && scenario.drawing.tilt_deg.isZero()) {
     double from = 0.5;
-    for (const Vector3d& tilt : level.tilts(wish)) {
+    for (const Vector3d& tilt : level->tilts(wish)) {
       Scenario tilted = scenario;
       tilted.drawing.tilt_deg = tilt;
       try {
-        SurfacePlace found =
-            PlaceBench(tilted, places, wish).best_place(wish, between(from, from + 0.1));
+        const auto bench = std::make_shared<PlaceBench>(tilted, places, wish);
+        SurfacePlace found = bench->best_place(wish, between(from, from + 0.1));
+        found.bench = bench;
         if (found.share > best.share + kTilted) best = std::move(found);
       } catch (const InputError&) {  // no posture to start from, for example
       }
@@ -452,14 +470,10 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
   return best;
 }
 
-std::optional<Vector2d> whole_size_mm(const Scenario& scenario, const Places& places,
-                                      const SurfaceWish& wish, const SurfacePlace& found,
+std::optional<Vector2d> whole_size_mm(const SurfaceWish& wish, const SurfacePlace& found,
                                       const std::function<void(double)>& progress) {
   if (found.share >= kNearlyAll || wish.shrink) return {};
-  Scenario there = scenario;
-  there.drawing.tilt_deg = found.scenario.drawing.tilt_deg;
-  const SurfaceWish smaller = {wish.near, true};
-  const SurfacePlace whole = PlaceBench(there, places, smaller).best_place(smaller, progress);
+  const SurfacePlace whole = found.bench->best_place({wish.near, true}, progress);
   if (whole.share < kNearlyAll) return {};
   return whole.size_mm;
 }

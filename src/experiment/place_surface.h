@@ -38,6 +38,7 @@ struct SurfacePlace {
   Eigen::Vector2d size_mm = Eigen::Vector2d::Zero();  // across and down the page, on the canvas
   double share = 0.0;                                 // of the drawing's length that can be drawn
   std::vector<std::string> assignments;               // settings that put it there again
+  std::shared_ptr<class PlaceBench> bench;            // on which it was found
 };
 
 // A surface that was looked at once, on which the drawing is tried at place after place.
@@ -70,7 +71,8 @@ class PlaceBench {
   Scenario scenario_at(const PlaceFound& place) const;
   double share_of_plan(const PlaceFound& place) const;
 
-  // The best place in this drawing plane; with a share of 0 if there is none.
+  // The best place in this drawing plane; with a share of 0 if there is none. What it was asked
+  // before costs no time again.
   SurfacePlace best_place(const SurfaceWish& wish, const std::function<void(double)>& progress);
   // Roll, pitch and yaw of drawing planes that promise more than what best_place() left of this
   // one; the best first, none without a cloud.
@@ -89,8 +91,7 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
 
 // Where less than kNearlyAll can be drawn at the place that was found: the size at which the whole
 // can, in the same drawing plane [mm]; nullopt if there is none, or the wish lets it shrink anyway.
-std::optional<Eigen::Vector2d> whole_size_mm(const Scenario& scenario, const Places& places,
-                                             const SurfaceWish& wish, const SurfacePlace& found,
+std::optional<Eigen::Vector2d> whole_size_mm(const SurfaceWish& wish, const SurfacePlace& found,
                                              const std::function<void(double)>& progress);
 
 }  // namespace impedraw

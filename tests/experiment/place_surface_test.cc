@@ -161,11 +161,11 @@ TEST_F(PlaceSurface, ShrinksWhereTheWholeDoesNotFit) {
   const SurfaceWish smaller = {.near = "", .shrink = true};
   const SurfacePlace found = place_on_surface(large, {}, smaller);
   EXPECT_GT(found.share, 0.98);
-  const auto size = whole_size_mm(large, {}, {}, whole, [](double) {});
+  const auto size = whole_size_mm({}, whole, [](double) {});
   ASSERT_TRUE(size);
   EXPECT_NEAR(size->x(), found.size_mm.x(), 0.1);
-  EXPECT_FALSE(whole_size_mm(large, {}, smaller, whole, [](double) {}));
-  EXPECT_FALSE(whole_size_mm(large, {}, {}, found, [](double) {}));
+  EXPECT_FALSE(whole_size_mm(smaller, whole, [](double) {}));
+  EXPECT_FALSE(whole_size_mm({}, found, [](double) {}));
   EXPECT_GT(found.size_mm.x(), 150.0);
   EXPECT_LT(found.size_mm.x(), 300.0 * std::numbers::sqrt2);
   std::vector<std::string> again = {"drawing.placement.width=400"};
