@@ -1,9 +1,9 @@
 // Takes the cameras' frames: where the canvas is, how it moves, and what its surface is like.
 //
 // In lock-step frames are taken by the control loop's thread, at the cycle at which they arrive, so
-// that a run does not depend on the machine. On a wall clock a thread of its own takes them from
-// their source. The loop then uses what has been found so far: it never waits, allocates nothing and
-// takes no lock (common/exchange.h).
+// that a run does not depend on the machine. On a wall clock, and where cameras stream, a thread of
+// its own takes them. The loop then uses what has been found so far: it never waits, allocates
+// nothing and takes no lock (common/exchange.h).
 #pragma once
 
 #include <atomic>

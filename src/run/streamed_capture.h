@@ -1,8 +1,9 @@
 // The frames of cameras that stream into a capture's folder while it is read: what ./impedraw
 // capture --stream writes, or another program (docs/capture.md, "As it is taken").
 //
-// File     live_<view>_<µs>.png, depths of the camera of views[<view>] as that says, exposed so many
-//          microseconds after 1970 by this machine's clock. It takes its name once it is whole.
+// File     live_<view>_<µs>.png, depths of the camera of views[<view>] as that says, exposed
+//          so many microseconds after 1970 by this machine's clock. It takes its name once it is
+//          whole.
 // Clock    a frame of stamp s is of the driver's time s − o; o: the least difference of both clocks
 //          in the last 10 to 20 s. The loop's time is late by up to a cycle, or while it plans.
 // Order    of each camera the newest frame counts; older ones are passed over.

@@ -1,5 +1,5 @@
-// A capture that is played back in time, or that cameras stream into: what its frames show and when,
-// and drawings on a canvas that stands, or moves as they show.
+// A capture that is played back in time, or that cameras stream into: what its frames show and
+// when, and drawings on a canvas that stands, or moves as they show.
 #include "impedraw/run/streamed_capture.h"
 
 #include <sys/stat.h>

@@ -84,7 +84,7 @@ def stream(cameras: list[Any], folder: pathlib.Path, views: list[dict], note: Ca
                 count += 1
                 if count == 1:
                     note(f"views[{number}] {camera.name} streams; " + (
-                        f"its first frame came {1e3 * (time.time() - exposed):.0f} ms after its stamp" if clock.offset == 0.0 else
+                        f"its first frame came {1e3 * (time.time() - exposed):.0f} ms after its stamp" if not clock.offset else
                         "its stamps are not by this machine's clock, so that the quickest frame is taken to come at once"))  # fmt: skip
         except (ValueError, OSError) as error:
             note(f"views[{number}]: {error}")
