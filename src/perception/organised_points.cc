@@ -92,7 +92,7 @@ void OrganisedPoints::find(const DepthImage& image, const DepthCamera& camera,
             const double v = value(pixel);
             if (!(v > near && v < far)) continue;
             if (pass > 0 && std::abs(v - before.dot(pixel.basis)) > kOutlier * sigma) continue;
-            gram.selfadjointView<Eigen::Lower>().rankUpdate(pixel.basis);
+            gram.noalias() += pixel.basis * pixel.basis.transpose();
             right += v * pixel.basis;
             ++count;
           }

@@ -35,10 +35,10 @@ SurfaceModel::Cube SurfaceModel::cube_of(const Eigen::Vector3d& p_K) const noexc
   return (p_K / voxel_).array().floor().cast<std::int32_t>();
 }
 
-// Slot of the cube, or the empty one where it belongs.
-std::size_t SurfaceModel::slot_of(const Cube& cube) const noexcept {
+// Slot of the cube with that hash, or the empty one where it belongs.
+std::size_t SurfaceModel::slot_of(const Cube& cube, std::size_t hash) const noexcept {
   const std::size_t mask = slots_.size() - 1;
-  std::size_t at = hash(cube) & mask;
+  std::size_t at = hash & mask;
   while (slots_[at] != 0 && cubes_[slots_[at] - 1] != cube) at = (at + 1) & mask;
   return at;
 }
@@ -53,7 +53,7 @@ void SurfaceModel::each_about(const Eigen::Vector3d& p_K, const Eigen::Vector3d&
       const std::size_t column = hash(lowest + Cube(x, y, 0));
       for (int z = 0; z < 3; ++z) {
         if (slots_[(column + z) & (slots_.size() - 1)] == 0) continue;
-        const std::uint32_t found = slots_[slot_of(lowest + Cube(x, y, z))];
+        const std::uint32_t found = slots_[slot_of(lowest + Cube(x, y, z), column + z)];
         if (found != 0 && points_[found - 1].n.dot(n_K) >= kSameSide) f(found - 1);
       }
     }
@@ -68,7 +68,7 @@ void SurfaceModel::add(std::span<const SeenPoint> samples, const Pose& X_WK) noe
     std::size_t at = beside(p, n);
     if (at == points_.size()) {
       const Cube cube = cube_of(p);
-      const std::size_t slot = slot_of(cube);
+      const std::size_t slot = slot_of(cube, hash(cube));
       if (slots_[slot] == 0) {
         if (points_.size() == most_) continue;
         points_.push_back({});

@@ -45,7 +45,7 @@ class SurfaceModel {
  private:
   using Cube = Eigen::Matrix<std::int32_t, 3, 1>;
   Cube cube_of(const Eigen::Vector3d& p_K) const noexcept;
-  std::size_t slot_of(const Cube& cube) const noexcept;
+  std::size_t slot_of(const Cube& cube, std::size_t hash) const noexcept;
   template <typename F>
   void each_about(const Eigen::Vector3d& p_K, const Eigen::Vector3d& n_K, F&& f) const noexcept;
   std::size_t beside(const Eigen::Vector3d& p_K, const Eigen::Vector3d& n_K) const noexcept;
