@@ -1,8 +1,9 @@
 // Checks, before anything moves, that every stroke can be drawn.
 //
-// Each stroke is checked in two passes. The first samples the surface at each point of the stroke
-// and every surface_step between them. It checks that the surface exists, is unbroken and is not
-// too steep (surface_walk.h). The second places the arm every `step` along the parts that pass.
+// Each stroke is checked in two passes. The first samples the surface at points of the stroke, all
+// where it bends, and at least every surface_step. It checks that the surface exists, is unbroken
+// and is not too steep (surface_walk.h). The second places the arm every `step` along the parts
+// that pass.
 // Each posture follows from the previous one (posture_check.h) and is checked for
 //   reach      the tip reaches the point with the pen along −n; n is the surface normal averaged
 //              over normal_smoothing, or z_P with `vertical_pen`

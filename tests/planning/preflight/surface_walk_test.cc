@@ -271,6 +271,38 @@ TEST(SurfaceWalk, ProfileAveragesNormals) {
   EXPECT_LT((smooth.at(0.05).n_P - (Vector3d::UnitZ() + after).normalized()).norm(), 0.02);
 }
 
+// Half a circle and a corner, of points every 0.02 mm, over a surface that ends at x = 0.59.
+TEST(SurfaceWalk, ManyPointsAreNotAskedForOneByOne) {
+  const double radius = 0.02, turn = 1e-3;  // [rad]
+  std::vector<Vector2d> points;
+  for (double a = 0; a < std::numbers::pi; a += turn)
+    points.emplace_back(0.6 + radius * std::cos(a), radius * std::sin(a));
+  std::vector<Vector2d> corner = points;
+  std::reverse(corner.begin(), corner.end());
+  for (double y = 0; y < 0.01; y += radius * turn) corner.emplace_back(0.6 + radius, -y);
+  int asked = 0;
+  double end = -1;
+  const SurfaceHeight surface = [&](double x, double y) -> std::optional<SurfaceSample> {
+    ++asked;
+    if (x < end) return std::nullopt;
+    return level(x, y, 0.1);
+  };
+  const PreflightSettings settings;
+  walk_surface(surfaces::line(points), surface, settings);
+  EXPECT_LT(asked, 70) << "3142 points on 63 mm";
+  end = 0.59;
+  const auto spans = walk_surface(surfaces::line(points), surface, settings);
+  ASSERT_EQ(spans.size(), 2u);
+  EXPECT_NEAR(spans[0].to, radius * 2 * std::numbers::pi / 3 - settings.edge_margin,
+              settings.edge_tolerance + 2e-5);
+  const auto round_corner = walk_surface(surfaces::line(corner), surface, settings);
+  for (const SurfaceSpan& span : {spans[0], round_corner.back()})
+    for (const SurfaceSample& at : span.samples) {
+      const Vector2d p = at.p_P.head<2>() - Vector2d(0.6, 0);
+      EXPECT_NEAR(p.y() < 0 ? p.x() : p.norm(), radius, 2e-5);
+    }
+}
+
 TEST(SurfaceWalk, SpansCoverTheStrokeFromEndToEnd) {
   const unsigned seed = 20261121;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
