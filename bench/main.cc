@@ -128,7 +128,7 @@ class Step {
         carrier ? controller_.step(terms_, carried(goal_, *carrier), carried(surface_, *carrier),
                                    F_ext, {}, carrier)
                 : controller_.step(terms_, goal_, surface_, F_ext);
-    if (joints_) joints_->commanded(terms_, F_ext, out.tau);
+    if (joints_) joints_->commanded(terms_, F_ext, out.tau, controller_.space());
     return out;
   }
 

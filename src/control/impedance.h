@@ -128,6 +128,11 @@ class ImpedanceController {
   const ImpedanceTorque& brake(const ArmTerms& arm,
                                const Eigen::Vector3d& v_WD = Eigen::Vector3d::Zero()) noexcept;
 
+  // Λ and the factors of M at the last step's terms; null where the step had to do without.
+  const OperationalSpace* space() const noexcept {
+    return out_.status.bad_input || out_.status.stale_state ? nullptr : &space_;
+  }
+
   void reset() noexcept;  // restores the initial state: mode free, no carried force
 
   // Changes K and F_n of the law from the next step on, and B with them; the state is kept. Throws

@@ -81,7 +81,7 @@ double kick_left(const RotorRehearsal& rehearsal, ArmModel arm, const Eigen::Vec
     }
     surface.distance = n_W.dot(seen.X_WE.p - p_WS);
     const JointVector& tau = controller.step(seen, reference, surface, F_seen).tau;
-    if (estimator) estimator->commanded(seen, F_seen, tau);
+    if (estimator) estimator->commanded(seen, F_seen, tau, controller.space());
     arm.compute(q, v, &truth);
     JointMatrix M = truth.M;
     M.diagonal() += unknown;

@@ -81,7 +81,7 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
   const InputAges ages{state.time - state.state_time, state.time - wrench_time_};
   const ImpedanceTorque& out =
       controller_.step(terms_, reference, surface_, F_ext_, ages, canvas_.carrier());
-  if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);
+  if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau, controller_.space());
   mode_ = out.mode;
   n_ = out.n_WD;
   return out;
@@ -145,7 +145,7 @@ const ImpedanceTorque& ControlLoop::brake(const ArmState& state,
     v += keep_away_.retreat();
   }
   const ImpedanceTorque& out = controller_.brake(terms_, v);
-  if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau);
+  if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau, controller_.space());
   return out;
 }
 

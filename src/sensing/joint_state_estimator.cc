@@ -12,29 +12,6 @@ namespace {
 constexpr int kNoiseWindow = 200;  // readings
 constexpr double kForget = 0.02;   // share of the noise that is forgotten after a window
 
-// M⁻¹ b by Cholesky's factorisation, in plain loops: for so few joints half the time of Eigen's.
-JointVector solve(const JointMatrix& M, const JointVector& b) noexcept {
-  const Eigen::Index n = b.size();
-  double L[kMaxJoints][kMaxJoints], x[kMaxJoints];
-  for (Eigen::Index i = 0; i < n; ++i) {
-    double y = b[i];
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      double sum = M(i, j);
-      for (Eigen::Index k = 0; k < j; ++k) sum -= L[i][k] * L[j][k];
-      L[i][j] = j < i ? sum * L[j][j] : 1.0 / std::sqrt(sum);  // the diagonal's reciprocal
-      if (j < i) y -= L[i][j] * x[j];
-    }
-    x[i] = y * L[i][i];
-  }
-  JointVector out(n);
-  for (Eigen::Index i = n; i-- > 0;) {
-    double y = x[i];
-    for (Eigen::Index k = i + 1; k < n; ++k) y -= L[k][i] * out[k];
-    out[i] = y * L[i][i];
-  }
-  return out;
-}
-
 }  // namespace
 
 void JointStateEstimatorSettings::validate() const {
@@ -160,13 +137,16 @@ void JointStateEstimator::forecast() noexcept {
 }
 
 void JointStateEstimator::commanded(const ArmTerms& arm, const Vector6& F_ext,
-                                    const JointVector& tau) noexcept {
+                                    const JointVector& tau,
+                                    const OperationalSpace* factored) noexcept {
   constexpr int kSize = kMaxDelaySteps + 1;
   if (step_ == 0) torques_.fill(tau);
   torques_[step_ % kSize] = tau;
   const JointVector& acting = torques_[(step_ + kSize - torque_steps_) % kSize];
   const JointVector excess = acting + arm.J.transpose().lazyProduct(F_ext) - arm.Cv - arm.g;
-  const JointVector modelled = solve(arm.M, excess);
+  OperationalSpace own;
+  if (!factored) own.update(arm);
+  const JointVector modelled = (factored ? *factored : own).acceleration(excess);
   if (modelled.allFinite()) modelled_ = modelled;
 }
 

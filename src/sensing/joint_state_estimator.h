@@ -27,7 +27,7 @@
 #include <array>
 
 #include "impedraw/common/range.h"
-#include "impedraw/control/arm_terms.h"
+#include "impedraw/control/operational_space.h"
 
 namespace impedraw {
 
@@ -65,8 +65,9 @@ class JointStateEstimator {
   // Advances without a reading.
   void coast(int steps = 1) noexcept;
   // At the end of a step: the arm's terms at q(), v(), the newest F_ext at E in W [N, Nm], and the
-  // commanded torque after all limits [Nm].
-  void commanded(const ArmTerms& arm, const Vector6& F_ext, const JointVector& tau) noexcept;
+  // commanded torque after all limits [Nm]. `factored`: where these terms' M is factored already.
+  void commanded(const ArmTerms& arm, const Vector6& F_ext, const JointVector& tau,
+                 const OperationalSpace* factored = nullptr) noexcept;
 
   const JointVector& q() const { return q_now_; }  // [rad]
   const JointVector& v() const { return v_now_; }  // [rad/s]
