@@ -464,6 +464,7 @@ PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP,
   s.normal_smoothing = scenario.path.normal_smoothing;
   s.space = scenario.control.operational_space;
   s.rest_q = rest_q;
+  s.speed = scenario.path.draw_speed;
   return s;
 }
 

@@ -41,7 +41,10 @@ std::vector<Finding> check_transitions(const TipPath& path,
                                        const std::function<void(double)>& progress) {
   std::vector<Finding> findings;
   if (strokes.empty() || path.duration() == 0) return findings;
-  PostureCheck check(arm, obstacle, start_q, settings);
+  // Near the end of its range a joint comes, where a lift folds the arm, and the law turns it back.
+  PreflightSettings on_ways = settings;
+  on_ways.joint_margin *= kEased;
+  PostureCheck check(arm, obstacle, start_q, on_ways);
   check.asked.torque = false;
   PostureCheck along_strokes(arm, obstacle, start_q, eased(settings));
   along_strokes.asked.torque = false;
@@ -94,6 +97,7 @@ std::vector<Finding> check_transitions(const TipPath& path,
 
   std::optional<Posture> last;
   Vector3d asked_p = Vector3d::Zero(), asked_n = Vector3d::UnitZ(), asked_x = Vector3d::UnitX();
+  double asked_t = 0.0;
   bool was_way = false;
   const auto ask = [&](double t) {
     const PathSample sample = path.at(t);
@@ -117,7 +121,8 @@ std::vector<Finding> check_transitions(const TipPath& path,
     const bool beneath = sample.stroke >= 0 && below && below->distance < 0.0;
     const PenPlacement pen{beneath ? below->p_W : p, -n, x};
     PostureCheck& here = sample.stroke < 0 ? check : along_strokes;
-    Posture posture = last ? here.follow(pen, *last, moved) : check.begin(pen, start_q);
+    Posture posture =
+        last ? here.follow(pen, *last, moved, t - asked_t) : check.begin(pen, start_q);
     if (sample.stroke >= 0 && posture.problem)
       report_along(sample, posture, p);
     else
@@ -141,6 +146,7 @@ std::vector<Finding> check_transitions(const TipPath& path,
     }
     if (way && posture.problem) report(*posture.problem, posture.amount, posture.text, p);
     last = std::move(posture);
+    asked_t = t;
     asked_p = p;
     asked_n = n;
     asked_x = x;

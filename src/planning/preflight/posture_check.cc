@@ -10,6 +10,7 @@
 
 #include "impedraw/arm/least_energy_step.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/control/heading.h"
 
 namespace impedraw {
 
@@ -19,7 +20,9 @@ using Eigen::Vector3d;
 
 constexpr double kRelax = 0.05;     // tip path over which the redundant joint settles [m]
 constexpr double kMostDrift = 0.1;  // per step [rad]
-constexpr double kThere = 0.1;      // joints of an arm that is at a place already [rad]
+constexpr double kNullStiffness =
+    10.0;                       // K_q, control.null_stiffness where it is not given [Nm/rad]
+constexpr double kThere = 0.1;  // joints of an arm that is at a place already [rad]
 constexpr int kFollowSteps = 30, kEnterSteps = 100, kLostSteps = 20;
 
 double limit_distance(const ArmLimits& limits, const JointVector& q, int j) {
@@ -32,6 +35,13 @@ TipJacobian without_spin(const ArmTerms& terms) {
   const Vector3d z = terms.X_WE.R.col(2);
   J.bottomRows<3>() -= z * (z.transpose() * terms.J.bottomRows<3>());
   return J;
+}
+
+JointRange range_of(const ArmLimits& limits) {
+  ImpedanceSettings settings;
+  settings.joint_range.lower = limits.lower;
+  settings.joint_range.upper = limits.upper;
+  return JointRange(settings);
 }
 
 JointVector sized(const JointVector& q, const ArmModel& arm, const char* name) {
@@ -61,7 +71,9 @@ PostureCheck::PostureCheck(const ArmModel& arm, const Canvas* obstacle, const Jo
       start_(sized(start_q, arm, "start_q")),
       rest_(settings.rest_q ? sized(*settings.rest_q, arm, "rest_q") : start_),
       clearance_(arm, obstacle, settings.table_z, settings.clearance, start_),
-      terms_(arm.joints()) {}
+      terms_(arm.joints()),
+      range_(range_of(arm.limits())),
+      space_(settings.space) {}
 
 PostureCheck::Change PostureCheck::change(const Posture& a, const Posture& b) {
   Change change;
@@ -70,10 +82,27 @@ PostureCheck::Change PostureCheck::change(const Posture& a, const Posture& b) {
 }
 
 JointVector PostureCheck::drift(const JointVector& q) const {
-  const JointVector d = rest_ - q;
+  JointVector d = rest_ - q;
+  for (Eigen::Index j = 0; j < d.size(); ++j) {
+    const JointRange::Depth depth = range_.depth(q, j);
+    d[j] += JointRangeSettings().torque / kNullStiffness *
+            (depth.lower * depth.lower - depth.upper * depth.upper);
+  }
   const TipJacobian& J = terms_.J;
   const Matrix6 A = J * J.transpose() + 1e-9 * Matrix6::Identity();
   return d - J.transpose() * A.llt().solve(J * d);
+}
+
+// The joints' way in that time, as the law turns the pen about its axis (heading.h). The rate falls
+// as the joint leaves its end, by d(rate)/d(angle) = 2 √(kHeadingRate rate) / margin where it turns
+// as the pen does: an implicit step, which does not overshoot.
+JointVector PostureCheck::turned(double time) {
+  space_.update(terms_);
+  const double rate = heading_rate(terms_, space_, range_);
+  const double slope = 2.0 * std::sqrt(kHeadingRate * std::abs(rate)) / JointRangeSettings().margin;
+  Vector6 spin = Vector6::Zero();
+  spin.tail<3>() = rate * time / (1.0 + slope * time) * terms_.X_WE.R.col(2);
+  return space_.joint_speed(spin);
 }
 
 double PostureCheck::effective_mass() const {
@@ -186,13 +215,24 @@ Posture PostureCheck::solve(const PenPlacement& pen, const JointVector& seed, in
   return posture;
 }
 
-Posture PostureCheck::follow(const PenPlacement& pen, const Posture& last, double moved) {
+Posture PostureCheck::follow(const PenPlacement& pen, const Posture& last, double moved,
+                             std::optional<double> time) {
   JointVector pull = (1 - std::exp(-moved / kRelax)) * last.drift;
   if (!last.reached)
     pull.setZero();
   else
     pull *= std::min(1.0, kMostDrift / std::max(pull.cwiseAbs().maxCoeff(), 1e-12));
   Posture posture = solve(pen, last.q + pull, last.reached ? kFollowSteps : kLostSteps, false);
+  if (posture.reached && !pen.led() && range_.room(posture.q) < JointRangeSettings().margin) {
+    const JointVector turn = turned(time.value_or(moved / settings_.speed));
+    if (!turn.isZero()) {
+      Posture away = solve(pen, posture.q + turn, kFollowSteps, false);
+      if (away.reached)
+        posture = std::move(away);
+      else
+        arm_.compute(posture.q, JointVector::Zero(posture.q.size()), &terms_);
+    }
+  }
   if (posture.reached) examine(pen, &posture);
   return posture;
 }

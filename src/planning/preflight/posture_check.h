@@ -1,10 +1,11 @@
 // Finds the arm's posture for a pen placement by inverse kinematics, seeded with the previous
 // posture, and checks it.
 //
-// Seed   q + (1 − exp(−moved/kRelax)) N (q_0 − q),  N = I − J⁺ J
-// This imitates the null-space pull of the controller on the redundant joint (impedance.h). N is
+// Seed   q + (1 − exp(−moved/kRelax)) N (q_0 − q + τ_limit / K_q),  N = I − J⁺ J
+// This imitates the null-space torque of the controller on the redundant joint (null_space.h). N is
 // the kinematic projector; for one redundant joint it projects onto the same line. From one posture
-// to the next the pen does not turn about its axis, as the controller damps that turn.
+// to the next the pen turns about its axis only away from the ends of joints' ranges (heading.h):
+// elsewhere the controller damps that turn.
 #pragma once
 
 #include <optional>
@@ -12,6 +13,8 @@
 
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/arm/inverse_kinematics.h"
+#include "impedraw/control/joint_range.h"
+#include "impedraw/control/operational_space.h"
 #include "impedraw/planning/preflight/clearance.h"
 #include "impedraw/planning/preflight/preflight.h"
 
@@ -20,7 +23,7 @@ namespace impedraw {
 struct Posture {
   JointVector q;  // if the point is not reached: the nearest posture found
   bool reached = false;
-  JointVector drift;               // N (q_0 − q) [rad]
+  JointVector drift;               // N (q_0 − q + τ_limit / K_q) [rad]
   std::optional<Problem> problem;  // out_of_reach to pen_collision, the first that applies
   double amount = 0;               // severity of the problem; larger is worse
   std::string text;
@@ -48,8 +51,9 @@ class PostureCheck {
   // Returns the first posture without a problem, else the first that reaches, else the nearest.
   Posture enter(const PenPlacement& pen, const JointVector& last);
 
-  // Continues from the last posture after the tip has moved by `moved` [m].
-  Posture follow(const PenPlacement& pen, const Posture& last, double moved);
+  // Continues from the last posture after the tip has moved by `moved` [m], in that time [s].
+  Posture follow(const PenPlacement& pen, const Posture& last, double moved,
+                 std::optional<double> time = {});
 
   // Moves the canvas there; at first its frame K is W.
   void move_canvas(const Pose& X_WK) { clearance_.move_canvas(X_WK); }
@@ -73,6 +77,7 @@ class PostureCheck {
   void examine(const PenPlacement& pen, Posture* posture);
   void say_unreached(const PenPlacement& pen, const IkResult& found, Posture* posture);
   JointVector drift(const JointVector& q) const;
+  JointVector turned(double time);
   double effective_mass() const;
 
   ArmModel arm_;
@@ -80,6 +85,8 @@ class PostureCheck {
   JointVector start_, rest_;
   Clearance clearance_;
   ArmTerms terms_;
+  JointRange range_;
+  OperationalSpace space_;
 };
 
 }  // namespace impedraw

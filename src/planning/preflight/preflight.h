@@ -63,6 +63,7 @@ struct PreflightSettings {
   bool vertical_pen = false;  // pen along −z_P, else along −n
   // q_0, to which the controller's null space pulls [rad]; default: start_q
   std::optional<JointVector> rest_q;
+  double speed = 0.25;  // of the tip along the strokes [m/s]
 
   bool arm = true;     // false: only the surface is checked; the arm is assumed to reach all of it
   double step = 4e-3;  // between postures, along a stroke [m]
