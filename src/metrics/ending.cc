@@ -15,7 +15,8 @@
 namespace impedraw {
 namespace {
 
-constexpr double kIgnored = 1e-3;  // a shorter gap, or rest [m]
+constexpr double kIgnored = 1e-3;   // a shorter gap, or rest [m]
+constexpr double kRounding = 1e-9;  // of sums of lengths [m]
 
 // Length of the strokes that have ink, as the plan measures them.
 double inked_length(const RunData& run) {
@@ -79,7 +80,7 @@ DrawnLengths drawn_lengths(const RunData& run, const Promise& promise, const End
   if (rest > kIgnored) out.not_drawn[broken_off ? "not_reached" : "no_ink"] += rest;
   out.drawn = out.asked;
   for (const auto& [reason, length] : out.not_drawn) out.drawn -= length;
-  out.drawn = std::max(0.0, out.drawn);
+  if (out.drawn < kRounding) out.drawn = 0.0;
   return out;
 }
 
