@@ -1,9 +1,10 @@
 #include "impedraw/drawing/joined.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
+
+#include "impedraw/drawing/order.h"
 
 namespace impedraw {
 namespace {
@@ -13,11 +14,6 @@ using Eigen::Vector2d;
 bool alike(const Stroke& a, const Stroke& b) {
   return a.layer == b.layer && a.dash == b.dash && a.edge == b.edge && a.colour == b.colour &&
          a.width == b.width && a.press.empty() == b.press.empty() && a.by_force == b.by_force;
-}
-
-void reverse(Stroke& stroke) {
-  std::reverse(stroke.points.begin(), stroke.points.end());
-  std::reverse(stroke.press.begin(), stroke.press.end());
 }
 
 class Joiner {

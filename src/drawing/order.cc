@@ -384,14 +384,17 @@ std::vector<Visit> shortest_order(const std::vector<Stroke>& strokes, const Orde
   return order;
 }
 
+void reverse(Stroke& stroke) {
+  std::reverse(stroke.points.begin(), stroke.points.end());
+  std::reverse(stroke.press.begin(), stroke.press.end());
+}
+
 std::vector<Stroke> in_order(const std::vector<Stroke>& strokes, const std::vector<Visit>& order) {
   std::vector<Stroke> ordered;
   ordered.reserve(order.size());
   for (const Visit& visit : order) {
     ordered.push_back(strokes.at(visit.stroke));
-    if (!visit.backwards) continue;
-    std::reverse(ordered.back().points.begin(), ordered.back().points.end());
-    std::reverse(ordered.back().press.begin(), ordered.back().press.end());
+    if (visit.backwards) reverse(ordered.back());
   }
   return ordered;
 }

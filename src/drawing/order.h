@@ -35,6 +35,8 @@ std::vector<Visit> shortest_order(const std::vector<Stroke>& strokes,
                                   const OrderSettings& settings = {},
                                   const std::function<void(double)>& progress = {});
 
+void reverse(Stroke& stroke);  // draws it from its end to its start
+
 // The strokes in that order, reversed where `backwards` is set.
 std::vector<Stroke> in_order(const std::vector<Stroke>& strokes, const std::vector<Visit>& order);
 

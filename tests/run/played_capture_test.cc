@@ -86,6 +86,15 @@ class PlayedCaptureFolder : public ScratchFolder {
          "perception.frames.depth=true", "perception.fiducials.points=[]", "preflight.arm=false"});
     return more;
   }
+
+  // A canvas that moves slowly, and a short drawing.
+  const std::vector<std::string> slow_ = {"canvas.motion.sway=[0, 0.02, 0]",
+                                          "canvas.motion.sway_frequency=0.2",
+                                          "canvas.motion.roll=0.02",
+                                          "drawing.text.text=-",
+                                          "drawing.placement.fit_radius=0.03",
+                                          "perception.watch=3",
+                                          "canvas.motion.ramp=1"};
 };
 
 TEST_F(PlayedCaptureFolder, FramesComeInTimeAndShowTheCanvasThroughAnyLens) {
@@ -124,16 +133,9 @@ TEST_F(PlayedCaptureFolder, FramesComeInTimeAndShowTheCanvasThroughAnyLens) {
 }
 
 TEST_F(PlayedCaptureFolder, ADrawingFollowsWhatIsPlayed) {
-  const std::vector<std::string> slow = {"canvas.motion.sway=[0, 0.02, 0]",
-                                         "canvas.motion.sway_frequency=0.2",
-                                         "canvas.motion.roll=0.02",
-                                         "drawing.text.text=-",
-                                         "drawing.placement.fit_radius=0.03",
-                                         "perception.watch=3",
-                                         "canvas.motion.ramp=1"};
-  Prepared truth = prepare(resolve_scenario("moving-shape", slow));
+  Prepared truth = prepare(resolve_scenario("moving-shape", slow_));
   film(*truth.truth.canvas, truth.truth.world->canvas_motion(), 10.0, 14.0);
-  const Figures f = draw_scenario("moving-shape", played(slow));
+  const Figures f = draw_scenario("moving-shape", played(slow_));
   EXPECT_GT(f["contact_fraction"], 0.999);
   EXPECT_LT(f["ink_error_rms"], 0.3);
   EXPECT_GT(f["coverage"], 0.97);
@@ -225,13 +227,6 @@ class StreamedCaptureFolder : public PlayedCaptureFolder {
     return outcome;
   }
 
-  const std::vector<std::string> slow_ = {"canvas.motion.sway=[0, 0.02, 0]",
-                                          "canvas.motion.sway_frequency=0.2",
-                                          "canvas.motion.roll=0.02",
-                                          "drawing.text.text=-",
-                                          "drawing.placement.fit_radius=0.03",
-                                          "perception.watch=3",
-                                          "canvas.motion.ramp=1"};
   Prepared truth_;
   std::vector<DepthCamera> cameras_;
 };
