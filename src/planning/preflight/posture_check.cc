@@ -20,9 +20,7 @@ using Eigen::Vector3d;
 
 constexpr double kRelax = 0.05;     // tip path over which the redundant joint settles [m]
 constexpr double kMostDrift = 0.1;  // per step [rad]
-constexpr double kNullStiffness =
-    10.0;                       // K_q, control.null_stiffness where it is not given [Nm/rad]
-constexpr double kThere = 0.1;  // joints of an arm that is at a place already [rad]
+constexpr double kThere = 0.1;      // joints of an arm that is at a place already [rad]
 constexpr int kFollowSteps = 30, kEnterSteps = 100, kLostSteps = 20;
 
 double limit_distance(const ArmLimits& limits, const JointVector& q, int j) {
@@ -37,11 +35,12 @@ TipJacobian without_spin(const ArmTerms& terms) {
   return J;
 }
 
-JointRange range_of(const ArmLimits& limits) {
-  ImpedanceSettings settings;
-  settings.joint_range.lower = limits.lower;
-  settings.joint_range.upper = limits.upper;
-  return JointRange(settings);
+// The law's defaults for this arm.
+ImpedanceSettings law_of(const ArmModel& arm) {
+  ImpedanceSettings law;
+  law.joint_range.lower = arm.limits().lower;
+  law.joint_range.upper = arm.limits().upper;
+  return law.completed(arm.joints());
 }
 
 JointVector sized(const JointVector& q, const ArmModel& arm, const char* name) {
@@ -72,7 +71,8 @@ PostureCheck::PostureCheck(const ArmModel& arm, const Canvas* obstacle, const Jo
       rest_(settings.rest_q ? sized(*settings.rest_q, arm, "rest_q") : start_),
       clearance_(arm, obstacle, settings.table_z, settings.clearance, start_),
       terms_(arm.joints()),
-      range_(range_of(arm.limits())),
+      law_(law_of(arm)),
+      range_(law_),
       space_(settings.space) {}
 
 PostureCheck::Change PostureCheck::change(const Posture& a, const Posture& b) {
@@ -85,7 +85,7 @@ JointVector PostureCheck::drift(const JointVector& q) const {
   JointVector d = rest_ - q;
   for (Eigen::Index j = 0; j < d.size(); ++j) {
     const JointRange::Depth depth = range_.depth(q, j);
-    d[j] += JointRangeSettings().torque / kNullStiffness *
+    d[j] += law_.joint_range.torque / law_.null_space.stiffness[j] *
             (depth.lower * depth.lower - depth.upper * depth.upper);
   }
   const TipJacobian& J = terms_.J;
@@ -99,7 +99,7 @@ JointVector PostureCheck::drift(const JointVector& q) const {
 JointVector PostureCheck::turned(double time) {
   space_.update(terms_);
   const double rate = heading_rate(terms_, space_, range_);
-  const double slope = 2.0 * std::sqrt(kHeadingRate * std::abs(rate)) / JointRangeSettings().margin;
+  const double slope = 2.0 * std::sqrt(kHeadingRate * std::abs(rate)) / law_.joint_range.margin;
   Vector6 spin = Vector6::Zero();
   spin.tail<3>() = rate * time / (1.0 + slope * time) * terms_.X_WE.R.col(2);
   return space_.joint_speed(spin);
@@ -223,7 +223,7 @@ Posture PostureCheck::follow(const PenPlacement& pen, const Posture& last, doubl
   else
     pull *= std::min(1.0, kMostDrift / std::max(pull.cwiseAbs().maxCoeff(), 1e-12));
   Posture posture = solve(pen, last.q + pull, last.reached ? kFollowSteps : kLostSteps, false);
-  if (posture.reached && !pen.led() && range_.room(posture.q) < JointRangeSettings().margin) {
+  if (posture.reached && !pen.led() && range_.room(posture.q) < law_.joint_range.margin) {
     const JointVector turn = turned(time.value_or(moved / settings_.speed));
     if (!turn.isZero()) {
       Posture away = solve(pen, posture.q + turn, kFollowSteps, false);

@@ -85,6 +85,7 @@ class PostureCheck {
   JointVector start_, rest_;
   Clearance clearance_;
   ArmTerms terms_;
+  ImpedanceSettings law_;  // its defaults
   JointRange range_;
   OperationalSpace space_;
 };
