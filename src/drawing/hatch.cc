@@ -3,164 +3,123 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <numbers>
-
-#include <fmt/core.h>
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/drawing/hatch_rows.h"
 #include "impedraw/drawing/regions.h"
 
 namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kMostLines = 100'000;
 constexpr double kShortest = 1e-5;  // [mm]
 constexpr double kInset = 0.25;  // of joined lines from the outline: half a pen [mm on the canvas]
+constexpr double kJoin = 3.0;    // longest way from inset to inset, and where tones vary [spacings]
 constexpr double kBend = 2.0;    // between points of a line that follows the surface [mm there]
 
 // An area in the frame of a set of lines.
 struct AreaInFrame {
   Eigen::AlignedBox2d box;  // of the outlines in H
-  RegionIndex region;       // of the area in H
+  Outlines outlines;        // of the area in H, free of overlaps
 };
 
 AreaInFrame in_frame(const HatchFrame& frame, const Area& area) {
-  AreaInFrame t{{}, RegionIndex({})};
+  AreaInFrame t;
   Area in_H = area;
   std::erase_if(in_H.outlines, [](const auto& outline) { return outline.empty(); });
   for (auto& outline : in_H.outlines) outline = frame.outline_to_H(outline);
   t.box = outlines_box(in_H.outlines);
-  if (!t.box.isEmpty()) t.region = RegionIndex(RegionMath(t.box).region(in_H));
+  if (!t.box.isEmpty()) t.outlines = RegionMath(t.box).region(in_H);
   return t;
 }
 
 // One set of lines, in H.
-std::vector<Stroke> set_of_lines(const AreaInFrame& t, const Area& area, double spacing) {
-  std::vector<Stroke> lines;
-  if (t.box.isEmpty()) return lines;
-  const double first = std::ceil(t.box.min().y() / spacing - 0.5),
-               last = std::floor(t.box.max().y() / spacing - 0.5);
-  if (last - first > kMostLines) {
-    throw InputError(
-        fmt::format("hatch: an area of {:.4g} mm across would take {:.3g} lines {:.3g} mm apart on "
-                    "the page; at most {:.0e} "
-                    "are drawn",
-                    t.box.sizes().y(), last - first, spacing, kMostLines));
-  }
+std::vector<HatchLine> set_of_lines(const Eigen::AlignedBox2d& box, const RegionIndex& region,
+                                    double spacing) {
+  std::vector<HatchLine> lines;
+  if (box.isEmpty()) return lines;
+  const double first = std::ceil(box.min().y() / spacing - 0.5),
+               last = std::floor(box.max().y() / spacing - 0.5);
+  require_few_rows(box.sizes().y(), spacing);
   std::vector<double> at;
   for (double k = first; k <= last; ++k) {
     const double y = (k + 0.5) * spacing;
-    const Vector2d from(t.box.min().x() - spacing / 2, y), to(t.box.max().x() + spacing / 2, y);
+    const Vector2d from(box.min().x() - spacing / 2, y), to(box.max().x() + spacing / 2, y);
     const auto x_at = [&](double share) { return from.x() + share * (to.x() - from.x()); };
     at.clear();
-    t.region.crossings(from, to, at);
+    region.crossings(from, to, at);
     std::sort(at.begin(), at.end());
     std::vector<std::pair<double, double>> row;  // parts inside, joined where they touch [mm]
     for (std::size_t i = 1; i < at.size(); ++i) {
       const double a = x_at(at[i - 1]), b = x_at(at[i]);
-      if (!t.region.inside({(a + b) / 2, y})) continue;
+      if (!region.inside({(a + b) / 2, y})) continue;
       if (!row.empty() && a - row.back().second < kShortest)
         row.back().second = b;
       else
         row.emplace_back(a, b);
     }
     std::erase_if(row, [](const auto& part) { return part.second - part.first < kShortest; });
-    const bool backwards = std::llround(k) % 2 != 0;
-    if (backwards) std::reverse(row.begin(), row.end());
-    for (auto [a, b] : row) {
-      if (backwards) std::swap(a, b);
-      lines.push_back({{{a, y}, {b, y}}});
-      lines.back().layer = area.layer;
-      lines.back().colour = area.colour;
+    const std::int64_t number = std::llround(k);
+    if (number % 2 != 0) {
+      std::reverse(row.begin(), row.end());
+      for (auto& [a, b] : row) std::swap(a, b);
     }
+    for (const auto& [a, b] : row) lines.push_back({{{a, y}, {b, y}}, number});
   }
   return lines;
 }
 
-// Joins one set's lines to strokes that the pen draws in one go: from the end of a line to an end
-// in a row beside it, where the way between them stays in the area. Ends stand back by `inset`, so
-// that the ink of a join does, too.
-std::vector<Stroke> flowing(std::vector<Stroke> lines, const AreaInFrame& t, double spacing,
-                            double inset) {
-  std::map<std::int64_t, std::vector<std::size_t>> rows;
-  const auto row_of = [&](const Stroke& line) {
-    return std::llround(line.points[0].y() / spacing - 0.5);
-  };
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    rows[row_of(lines[i])].push_back(i);
-    Vector2d &a = lines[i].points[0], &b = lines[i].points[1];
-    const Vector2d step = std::min(inset / (b - a).norm(), 0.25) * (b - a);
-    a += step, b -= step;
-  }
-  std::vector<double> crossings;
-  const auto stays_inside = [&](const Vector2d& a, const Vector2d& b) {
-    crossings.clear();
-    t.region.crossings(a, b, crossings);
-    return crossings.empty() && t.region.inside((a + b) / 2);
-  };
-  std::vector<Stroke> strokes;
-  std::vector<char> used(lines.size(), false);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (used[i]) continue;
-    used[i] = true;
-    strokes.push_back(lines[i]);
-    std::vector<Vector2d>& points = strokes.back().points;
-    for (std::int64_t row = row_of(lines[i]);;) {
-      double nearest = INFINITY;
-      std::size_t next = 0;
-      bool turned = false;
-      std::int64_t there = row;
-      for (const std::int64_t beside : {row - 1, row + 1}) {
-        const auto found = rows.find(beside);
-        if (found == rows.end()) continue;
-        for (const std::size_t k : found->second) {
-          for (const bool at_end : {false, true}) {
-            const double way = (lines[k].points[at_end] - points.back()).norm();
-            if (used[k] || way >= nearest || !stays_inside(points.back(), lines[k].points[at_end]))
-              continue;
-            nearest = way, next = k, turned = at_end, there = beside;
-          }
-        }
-      }
-      if (nearest == INFINITY) break;
-      used[next] = true;
-      points.push_back(lines[next].points[turned]);
-      points.push_back(lines[next].points[!turned]);
-      row = there;
-    }
-  }
-  return strokes;
-}
-
-// Of the sets of lines; none without hatching.
+// The frames of the sets of lines; none without hatching. Rings lie in the frame of the page.
 std::vector<HatchFrame> frames_of(const HatchSettings& settings, double scale,
-                                  const SurfaceDistances& on_surface,
-                                  const Eigen::AlignedBox2d& box) {
+                                  const HatchSurface& surface, const Eigen::AlignedBox2d& box) {
   require_in_range("hatch", HatchSettings::Limits::spacing, settings.spacing_mm);
   require_in_range("hatch", HatchSettings::Limits::angle, settings.angle_deg);
   require_in_range("the hatch's scale", scale, Range::positive(), "");
+  const bool rings = settings.style != HatchStyle::boustrophedon;
+  if (rings && settings.cross)
+    throw InputError("hatch: cross is for style=boustrophedon: rings have no second set of lines");
   std::vector<HatchFrame> frames;
   if (settings.spacing_mm == 0 || box.isEmpty()) return frames;
-  for (int set = 0; set < (settings.cross ? 2 : 1); ++set)
-    frames.emplace_back((settings.angle_deg + 90.0 * set) * std::numbers::pi / 180, on_surface, box,
-                        kBend / scale);
+  if (rings) frames.emplace_back(0.0, SurfaceDistances(), box, 0.0);
+  for (int set = 0; !rings && set < (settings.cross ? 2 : 1); ++set)
+    frames.emplace_back((settings.angle_deg + 90.0 * set) * std::numbers::pi / 180,
+                        surface.distances, box, kBend / scale);
   return frames;
 }
 
 std::vector<Stroke> hatch(const Area& area, const std::vector<HatchFrame>& frames,
-                          const HatchSettings& settings, double scale, bool joined) {
+                          const HatchSettings& settings, double scale, const HatchSurface& surface,
+                          bool joined) {
   std::vector<Stroke> strokes;
-  const double spacing = settings.spacing_mm / scale,
+  const bool rings = settings.style != HatchStyle::boustrophedon, even = !area.tone_at;
+  const bool short_joins = settings.style == HatchStyle::contour_parallel || !even;
+  if (!(area.tone > 0)) return strokes;
+  const double full = settings.spacing_mm / scale, spacing = even ? full / area.tone : full,
                inset = std::min(settings.spacing_mm / 2, kInset) / scale;
   for (const HatchFrame& frame : frames) {
     const AreaInFrame t = in_frame(frame, area);
-    std::vector<Stroke> lines = set_of_lines(t, area, spacing);
-    if (joined) lines = flowing(std::move(lines), t, spacing, inset);
-    for (Stroke& line : lines) line.points = frame.line_to_page(line.points);
-    strokes.insert(strokes.end(), lines.begin(), lines.end());
+    const RegionIndex region(t.outlines);
+    std::vector<HatchLine> lines = !rings ? set_of_lines(t.box, region, spacing)
+                                   : surface.rings
+                                       ? surface.rings(t.outlines, settings.style, spacing)
+                                       : page_rings(t.outlines, settings.style, spacing);
+    if (rings) lines = lines_inside(lines, region);
+    if (!even)
+      lines = lines_of_tone(lines, spacing / 2,
+                            [&](const Vector2d& p) { return area.tone_at(frame.to_page(p)); });
+    std::vector<std::vector<Vector2d>> drawn;
+    if (joined)
+      drawn = flowing(std::move(lines), region, inset, short_joins ? kJoin * spacing : INFINITY);
+    else
+      for (HatchLine& line : lines) drawn.push_back(std::move(line.points));
+    for (const auto& line : drawn) {
+      Stroke stroke{frame.line_to_page(line)};
+      stroke.closed = line.size() > 2 && line.front() == line.back();
+      stroke.layer = area.layer, stroke.colour = area.colour;
+      strokes.push_back(std::move(stroke));
+    }
   }
   return strokes;
 }
@@ -169,13 +128,13 @@ std::vector<Stroke> hatch(const Area& area, const std::vector<HatchFrame>& frame
 
 std::vector<Stroke> hatch_strokes(const Area& area, const HatchSettings& settings, double scale) {
   const auto frames = frames_of(settings, scale, {}, outlines_box(area.outlines));
-  return hatch(area, frames, settings, scale, true);
+  return hatch(area, frames, settings, scale, {}, true);
 }
 
 std::vector<Stroke> hatch_lines(const Area& area, const HatchSettings& settings, double scale,
-                                const SurfaceDistances& on_surface) {
-  const auto frames = frames_of(settings, scale, on_surface, outlines_box(area.outlines));
-  return hatch(area, frames, settings, scale, false);
+                                const HatchSurface& surface) {
+  const auto frames = frames_of(settings, scale, surface, outlines_box(area.outlines));
+  return hatch(area, frames, settings, scale, surface, false);
 }
 
 void drop_edges(Artwork& artwork) {
@@ -183,14 +142,14 @@ void drop_edges(Artwork& artwork) {
 }
 
 void apply_hatch(Artwork& artwork, const HatchSettings& settings, double scale,
-                 const SurfaceDistances& on_surface) {
+                 const HatchSurface& surface) {
   if (!settings.outline) drop_edges(artwork);
   Eigen::AlignedBox2d box;
   for (const Area& area : artwork.areas) box.extend(outlines_box(area.outlines));
-  const std::vector<HatchFrame> frames = frames_of(settings, scale, on_surface, box);
+  const std::vector<HatchFrame> frames = frames_of(settings, scale, surface, box);
   std::vector<std::vector<Stroke>> lines(artwork.layers.size());
   for (const Area& area : artwork.areas) {
-    const std::vector<Stroke> of_area = hatch(area, frames, settings, scale, true);
+    const std::vector<Stroke> of_area = hatch(area, frames, settings, scale, surface, true);
     lines[area.layer].insert(lines[area.layer].end(), of_area.begin(), of_area.end());
   }
   for (std::size_t layer = 0; layer < lines.size(); ++layer) {

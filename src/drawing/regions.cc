@@ -19,6 +19,8 @@ constexpr double kLeastFineness = 1e5;   // steps per millimetre, then with wide
 constexpr double kMostCrossings = 4e6;   // of one operation, which take 200 bytes each
 constexpr double kMitre = 2 * kMostReach;  // SVG's limit
 constexpr double kRound = 2e-3;            // of a round cap's chords, of the stroke's width
+constexpr double kRoundInset = 5e-3;       // of an inset's chords about corners, of its distance
+constexpr double kClean = 1e-3;            // of points that an inset does without, of its distance
 
 cl::Paths to_clipper(const Outlines& outlines, const Vector2d& centre, double fineness) {
   cl::Paths paths;
@@ -123,6 +125,16 @@ Outlines RegionMath::stroked(const std::vector<Vector2d>& line, double width, bo
                           : cl::etOpenButt);
   cl::Paths result;
   offset.Execute(result, width / 2 * fineness_);
+  return from_clipper(result, centre_, fineness_);
+}
+
+Outlines RegionMath::inset(const Outlines& region, double distance) const {
+  cl::ClipperOffset offset(kMitre, kRoundInset * distance * fineness_);
+  offset.AddPaths(to_clipper(region, centre_, fineness_), cl::jtRound, cl::etClosedPolygon);
+  cl::Paths result;
+  offset.Execute(result, -distance * fineness_);
+  // Without it, an inset of an inset has ever more points about concave corners.
+  cl::CleanPolygons(result, kClean * distance * fineness_);
   return from_clipper(result, centre_, fineness_);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,10 @@ struct Area {
   bool even_odd = false;  // fill rule; else nonzero winding
   int layer = 0;
   std::uint32_t colour = 0;  // 0xRRGGBB
+  // What a hatch shows of the white paper's place: 0 nothing, 1 ink only. Of one that varies, at a
+  // point of the page; none: even.
+  double tone = 1;
+  std::function<double(const Eigen::Vector2d& page_mm)> tone_at = {};
 };
 
 struct Artwork {

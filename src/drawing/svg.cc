@@ -28,6 +28,7 @@ constexpr double kSameLineMm = 0.1;   // and at most
 constexpr double kSeconds = 12;       // of CPU time to find what is hidden
 constexpr std::size_t kMostPens = 8;  // colours that become layers by themselves
 constexpr unsigned kWhite = 250;      // least red, green and blue of white
+constexpr double kNearlyFull = 0.75;  // tone of an even fill from which it has all lines
 constexpr double kSamePage = 1e-4;    // of a white page's edge to the page's, of its diagonal
 
 bool has_area(const std::vector<Vector2d>& line) {
@@ -76,6 +77,23 @@ std::vector<Vector2d> page_outline(const Eigen::AlignedBox2d& page) {
 // The fill is no shape of the document's: it is there for what it hides.
 bool only_hides(const ImpedrawSvgPath& path) {
   return path.hides == IMPEDRAW_SVG_WHITE_STROKE || path.hides == IMPEDRAW_SVG_VEIL;
+}
+
+// Share of a pure ink on white paper that gives the colour: 1 for black, red or dark red, 1/2 for
+// a medium grey or a pink.
+double ink_share(const Tint& tint) { return tint[3] * (1 - tint.head<3>().minCoeff()); }
+
+Tint tint_of(std::uint32_t colour, double opacity) {
+  const auto channel = [&](int shift) { return (colour >> shift & 0xff) / 255.0; };
+  return {channel(16), channel(8), channel(0), opacity};
+}
+
+// What the groups around a paint let through of it.
+double opacity_around(const Paint& paint, const std::vector<PaintGroup>& groups) {
+  double opacity = 1;
+  for (int group = paint.group; group >= 0; group = groups[group].parent)
+    opacity *= groups[group].opacity;
+  return opacity;
 }
 
 // Indices of the layers by colour, in order of appearance; empty: groups are layers.
@@ -362,6 +380,13 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
         return Tint(rgba[0], rgba[1], rgba[2], rgba[3]);
       };
     }
+    const double around = opacity_around(paint, painting.groups);
+    paint.area.tone = around * ink_share(tint_of(path->fill, paint.opacity));
+    if (paint.area.tone >= kNearlyFull) paint.area.tone = 1;
+    if (paint.shaded)
+      paint.area.tone_at = [shade = paint.shade, around](const Vector2d& p) {
+        return around * ink_share(shade(p, false));
+      };
     if (strokes && path->covers) paint.covers_from = path->covers_from;
     paint.area.layer = layer_of(path->fill, paint.area.layer);
     const bool ground = !eraser && is_ground(lines, *path, artwork.page);

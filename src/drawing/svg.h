@@ -9,7 +9,8 @@
 // is drawn closed (Stroke::edge). Clip paths, masks, opaque fills and white strokes hide lines
 // (visible.h); so do strokes beneath their width, and the page's edge. What is less opaque than
 // one half, a pattern, and a picture hide nothing. With Visible::all, nothing is hidden, and white
-// lines are drawn. A pattern is drawn tile by tile, and its shape's edge is not; a gradient's edge
+// lines are drawn. A pattern is drawn tile by tile, and its shape's edge is not; one of over 10,000
+// tiles counts as an even tone; a gradient's edge
 // is left out where it is white or clear. The fill of an open path has an edge that closes it.
 // Fills and dashes are returned in Artwork::areas and dashes, for hatch.h and dashes.h to apply;
 // white fills are not. Markers are drawn. Elements with opacity 0, display none or visibility

@@ -127,7 +127,8 @@ class Eye {
       for (auto& around : math_.stroked(outline, 2 * kReach * paint.soft, true, true))
         reach.push_back(std::move(around));
     }
-    paint.area = {math_.united(reach), false, paint.area.layer, paint.area.colour};
+    paint.area.outlines = math_.united(reach);
+    paint.area.even_odd = false;
   }
 
   // Keeps the veil's edge, where nothing hides it, for what lies beneath.

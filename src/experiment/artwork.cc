@@ -1,17 +1,19 @@
 #include "impedraw/experiment/artwork.h"
 
 #include <algorithm>
+#include <memory>
 
 #include <fmt/format.h>
 
 #include "impedraw/common/roll_pitch_yaw.h"
 #include "impedraw/drawing/artwork_file.h"
+#include "impedraw/drawing/bounded.h"
 #include "impedraw/drawing/dashes.h"
 #include "impedraw/drawing/hershey.h"
 #include "impedraw/drawing/joined.h"
 #include "impedraw/drawing/order.h"
 #include "impedraw/drawing/simplify.h"
-#include "impedraw/experiment/hatch_distances.h"
+#include "impedraw/experiment/hatch_surface.h"
 
 namespace impedraw {
 namespace {
@@ -73,6 +75,17 @@ void require_short(const std::vector<PlacedStroke>& strokes, const std::string& 
                     name, length, kLongestDrawing));
 }
 
+void hatch_in_time(const HatchSettings& settings, double scale, const HatchSurface& on,
+                   Artwork* artwork) {
+  constexpr double kSeconds = 30;  // of CPU time
+  const auto shared = std::make_shared<Artwork>(std::move(*artwork));
+  if (!done_within(kSeconds, [=] { apply_hatch(*shared, settings, scale, on); }))
+    throw InputError(fmt::format(
+        "{}: takes longer than {:.0f} s to hatch; a wider drawing.hatch.spacing takes less",
+        shared->name, kSeconds));
+  *artwork = std::move(*shared);
+}
+
 }  // namespace
 
 PlacementSettings placement_settings(const DrawingSettings& s) {
@@ -100,11 +113,11 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
     // The areas count for the size, so that it is the same before and after.
     const Placement placement = setting_errors.locate(
         {"drawing.placement", "drawing"}, [&] { return place(artwork, placement_settings(s)); });
-    const SurfaceDistances distances = surface && hatches_surface(s)
-                                           ? hatch_distances(*surface, placement, artwork.areas)
-                                           : SurfaceDistances();
+    const HatchSurface on = surface && hatches_surface(s)
+                                ? hatch_surface(*surface, placement, artwork.areas)
+                                : HatchSurface();
     setting_errors.locate({"drawing.hatch", "drawing"},
-                          [&] { apply_hatch(artwork, s.hatch, placement.scale(), distances); });
+                          [&] { hatch_in_time(s.hatch, placement.scale(), on, &artwork); });
   } else if (!s.hatch.outline) {
     artwork.areas.clear();
     drop_empty_layers(artwork);

@@ -406,7 +406,7 @@ PreviewPicture preview_of(const Scenario& s, const SettingErrors& setting_errors
   if (drawn.hidden_mm > 0.0) {
     DrawingSettings all = s.drawing;
     all.visible = Visible::all;
-    all.hatch.spacing_mm = 0.0;
+    all.hatch = {};
     for (const Stroke& stroke : make_artwork(all, setting_errors).drawn.strokes) {
       const auto pen = std::min(static_cast<std::size_t>(stroke.layer), pens.size() - 1);
       picture.whole.push_back(line_of(stroke, artwork.placement, pens[pen].line.width));

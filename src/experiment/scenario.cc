@@ -82,7 +82,13 @@ void describe(Fields& f, HatchSettings& s) {
   f.field(Limits::spacing, s.spacing_mm,
           "Distance, on the canvas, between the lines that stand for a fill; 0: fills are not "
           "hatched. White is never hatched. On slopes, too: the lines of a projected drawing bend "
-          "where the surface does.")
+          "where the surface does. Lighter fills have wider ones: a medium grey twice as wide as "
+          "black.")
+      .for_users();
+  f.choice(
+       "style", s.style, {"boustrophedon", "concentric", "contour-parallel"},
+       "boustrophedon: parallel lines, drawn to and fro. concentric: circles about the middle of "
+       "each area. contour-parallel: rings that follow each area's outline inwards.")
       .for_users();
   f.field(Limits::angle, s.angle_deg,
           "Angle of the lines to the page's X axis, counter-clockwise.");

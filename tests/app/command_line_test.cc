@@ -306,6 +306,26 @@ TEST_F(CommandLine, ResultsAreReplacedOnRequestAlone) {
   EXPECT_EQ(call(Words{"compare", "--out", "both", "--overwrite"} + kShort).code, 0);
 }
 
+// Lines of the file that a fill hides are in the picture, too.
+TEST_F(CommandLine, HatchesAloneArePreviewedWhereLinesAreHidden) {
+  write("a.svg", R"svg(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 60 60">
+      <rect width="40" height="40"/><rect x="20" y="20" width="40" height="40" fill="#888"/>
+      </svg>)svg");
+  const Words hatches = {"--set", "drawing.hatch.spacing=2", "--set",
+                         "drawing.hatch.outline=false"};
+  for (const char* style : {"boustrophedon", "concentric", "contour-parallel"}) {
+    const Ended ended = call(Words{"preview", "a.svg", "--out", std::string(style) + ".png"} +
+                             hatches + Words{"--set", std::string("drawing.hatch.style=") + style});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("  hidden "));
+    EXPECT_TRUE(std::filesystem::exists(folder_ / (std::string(style) + ".png")));
+  }
+  refused(Words{"preview", "a.svg", "--set", "drawing.hatch.style=concentric", "--set",
+                "drawing.hatch.cross=true"} +
+              hatches,
+          {"cross is for style=boustrophedon"});
+}
+
 // Of a picture that a pen cannot draw, all three commands say so in the same words.
 TEST_F(CommandLine, PlanDrawAndInspectTellTheSameOfAFile) {
   const std::vector<std::string> lost = {

@@ -198,6 +198,150 @@ TEST(Hatch, JoinedLinesStayInsideAndLoseNothing) {
   }
 }
 
+constexpr HatchStyle kRings[] = {HatchStyle::concentric, HatchStyle::contour_parallel};
+
+TEST(Hatch, RingsOfASquareLieAsFarApartAsAsked) {
+  const Area square{{{{20, 20}, {80, 20}, {80, 80}, {20, 80}}}, false, 0};
+  const Vector2d middle(50, 50);
+  for (const HatchStyle style : kRings) {
+    const bool circles = style == HatchStyle::concentric;
+    const HatchSettings settings{.spacing_mm = 2, .style = style};
+    const auto lines = hatch_lines(square, settings, 2),
+               strokes = hatch_strokes(square, settings, 2);
+    EXPECT_NEAR(pen_down_length(lines), 3600, 5);
+    EXPECT_LE(strokes.size(), circles ? 4u : 1u);  // the corners' arcs are apart
+    EXPECT_NEAR(pen_down_length(strokes), 3600, circles ? 500 : 50) << "with what joins them";
+    for (const Stroke& line : lines) {
+      for (const Vector2d& p : line.points) {
+        const Vector2d from = (p - middle).cwiseAbs();
+        const double distance = circles ? from.norm() : 30 - from.maxCoeff();
+        const double row = distance - 0.5;
+        const bool on_outline = circles && from.maxCoeff() > 30 - 1e-6;
+        EXPECT_TRUE(std::abs(row - std::round(row)) < 2e-3 || on_outline) << p.transpose();
+      }
+    }
+  }
+  EXPECT_THROW(hatch_lines(square, {.spacing_mm = 2, .style = kRings[0], .cross = true}, 1),
+               InputError);
+  for (const HatchStyle style : kRings)
+    EXPECT_THROW(hatch_lines(square, {.spacing_mm = 1e-5, .style = style}, 1), InputError);
+}
+
+TEST(Hatch, RingsOfRandomPolygonsStayInsideAndLeaveNoGap) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    for (const HatchStyle style : kRings) {
+      SCOPED_TRACE(fmt::format("{} {}", seed, static_cast<int>(style)));
+      std::mt19937 random(seed);
+      std::uniform_real_distribution<double> any(0, 50);
+      Area area{{}, seed % 2 == 0, 0};
+      for (unsigned k = 0; k < 1 + seed % 3; ++k) {
+        area.outlines.emplace_back();
+        for (int i = 0; i < 7; ++i) area.outlines.back().push_back({any(random), any(random)});
+      }
+      const HatchSettings settings{.spacing_mm = 1.4, .style = style};
+      const auto lines = hatch_lines(area, settings, 2), strokes = hatch_strokes(area, settings, 2);
+      EXPECT_LT(strokes.size(), lines.size());
+      const auto near_outline = [&](const Vector2d& p, double hair) {
+        for (auto outline : area.outlines) {
+          outline.push_back(outline.front());
+          if (lines::distance(p, outline) < hair) return true;
+        }
+        return false;
+      };
+      for (const std::vector<Stroke>* drawn : {&lines, &strokes})
+        for (const Stroke& line : *drawn)
+          for (std::size_t i = 1; i < line.points.size(); i += 5) {
+            const Vector2d p = (line.points[i] + line.points[i - 1]) / 2;
+            EXPECT_TRUE(inside(p, area) || near_outline(p, 1e-3)) << p.transpose();
+          }
+      for (int i = 0; i < 200; ++i) {
+        const Vector2d p(any(random), any(random));
+        if (!inside(p, area) || near_outline(p, 1.5)) continue;
+        double nearest = INFINITY;
+        for (const Stroke& line : lines)
+          nearest = std::min(nearest, lines::distance(p, line.points));
+        // Insets end within a spacing of where those from all sides meet.
+        EXPECT_LT(nearest, style == HatchStyle::concentric ? 0.36 : 1.05) << p.transpose();
+      }
+    }
+  }
+}
+
+// Length of the lines whose middle lies in the box, times the spacing.
+double inked(const std::vector<Stroke>& lines, const Eigen::AlignedBox2d& box) {
+  double sum = 0;
+  for (const Stroke& line : lines) {
+    for (std::size_t i = 1; i < line.points.size(); ++i) {
+      const Vector2d a = line.points[i - 1], way = line.points[i] - a;
+      for (int k = 0; k < 100; ++k)
+        if (box.contains(a + (k + 0.5) / 100 * way)) sum += way.norm() / 100;
+    }
+  }
+  return sum;
+}
+
+TEST(Hatch, ATintHasWiderLinesAndAGradientFewer) {
+  const auto length_of = [](const std::string& fills) {
+    const std::string svg = fmt::format(
+        R"(<svg xmlns="http://www.w3.org/2000/svg" width="200mm" viewBox="0 0 200 100">{}</svg>)",
+        fills);
+    std::vector<double> lengths;
+    for (const Area& area : parse_svg(svg, "tints").areas)
+      lengths.push_back(pen_down_length(hatch_lines(area, {.spacing_mm = 1}, 1)));
+    return lengths;
+  };
+  const auto rect = [](int x, const std::string& fill) {
+    return fmt::format("<rect x='{}' y='10' width='40' height='40' {}/>", x, fill);
+  };
+  const auto expect_lengths = [&](const std::string& fills, std::vector<double> tones) {
+    const std::vector<double> lengths = length_of(fills);
+    ASSERT_EQ(lengths.size(), tones.size()) << fills;
+    for (std::size_t i = 0; i < tones.size(); ++i)
+      EXPECT_NEAR(lengths[i], 1600 * tones[i], 40) << fills << " " << i;
+  };
+  expect_lengths(rect(10, "fill='#000'") + rect(60, "fill='#808080'") + rect(110, "fill='#c0c0c0'"),
+                 {1, 0.498, 0.247});
+  expect_lengths(rect(10, "fill='#f00'") + rect(60, "fill='#ff8080'"), {1, 0.498});
+  expect_lengths(rect(10, "fill='#808080'"), {0.498});
+  expect_lengths(rect(10, "fill='#123'") + rect(60, "fill='#f00'"), {1, 1});
+  expect_lengths(rect(10, "fill='#000' fill-opacity='0.6'"), {0.6});
+  expect_lengths("<g opacity='0.6'>" + rect(10, "fill='#000' fill-opacity='0.5'") + "</g>", {0.3});
+
+  // A pattern of too many tiles: a disc and a bar cover 0.2827 + 0.2 of each.
+  expect_lengths(
+      "<pattern id='p' width='.1' height='.1' patternUnits='userSpaceOnUse'>"
+      "<circle cx='.05' cy='.05' r='.03'/><path d='M0 .09h.1' stroke='#000' "
+      "stroke-width='.02'/></pattern>" +
+          rect(10, "fill='url(#p)'"),
+      {0.4827});
+
+  // From black at the left to white at the right.
+  const auto gradient = [&](const std::string& kind, const std::string& stops) {
+    const Artwork artwork = parse_svg(
+        fmt::format(
+            R"svg(<svg xmlns="http://www.w3.org/2000/svg" width="200mm" viewBox="0 0 200 100">
+            <{0} id="g">{1}</{0}><rect x="10" y="10" width="160" height="80" fill="url(#g)"/>
+            </svg>)svg",
+            kind, stops),
+        "gradient");
+    EXPECT_EQ(artwork.areas.size(), 1u);
+    return artwork.areas.at(0);
+  };
+  const std::string stops = "<stop stop-color='black'/><stop offset='1' stop-color='white'/>";
+  for (const HatchStyle style :
+       {HatchStyle::boustrophedon, HatchStyle::concentric, HatchStyle::contour_parallel}) {
+    SCOPED_TRACE(static_cast<int>(style));
+    const auto lines = hatch_lines(gradient("linearGradient", stops),
+                                   {.spacing_mm = 0.5, .style = style, .angle_deg = 30}, 1);
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::AlignedBox2d part(Vector2d(10 + 20 * i, 10), Vector2d(30 + 20 * i, 90));
+      EXPECT_NEAR(0.5 * inked(lines, part) / 1600, 1 - (i + 0.5) / 8, 0.04) << i;
+    }
+  }
+  const auto strokes = hatch_strokes(gradient("linearGradient", stops), {.spacing_mm = 0.5}, 1);
+  EXPECT_LT(strokes.size(), 250u);  // of 330 rows, each cut once
+}
+
 TEST(Hatch, FillsOfAnSvg) {
   const std::string svg =
       R"(<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">

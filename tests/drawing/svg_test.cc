@@ -423,8 +423,8 @@ TEST(Svg, NothingIsLostInSilence) {
       {"<pattern id='p' width='.01' height='.01' patternUnits='userSpaceOnUse'><path d='M0 0 L3 3' "
        "stroke='red'/></pattern><rect width='10' height='10' fill='url(#p)'/>",
        80,
-       {"1 shapes are painted with a pattern that is too fine, or on a stroke: what it holds is "
-        "left out"}},
+       {"1 shapes are painted with a pattern that is too fine, or on a stroke: it counts "
+        "as an even tone, or as a line"}},
       {box + "><animate attributeName='x' to='5'/><animateTransform/></path>",
        80,
        {"2 × <animate>: animations are left out: drawn as it is without them"}},

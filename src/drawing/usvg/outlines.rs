@@ -1,7 +1,7 @@
 //! Converts usvg's tree to paths on the page, in millimetres.
 
 use crate::clips::stroked_area;
-use crate::{complaints, document, dtd, font_face, labels, paints, references, texts};
+use crate::{complaints, document, dtd, font_face, labels, paints, references, servers, texts};
 use std::collections::HashMap;
 use std::sync::Arc;
 use usvg::tiny_skia_path::{PathBuilder, PathSegment, Point, Rect};
@@ -240,7 +240,7 @@ impl Outlines {
             self.warnings.push(format!("{} shapes are left out: hidden, or wholly transparent", self.hidden));
         }
         if self.patterned > 0 {
-            self.warnings.push(format!("{} shapes are painted with a pattern that is too fine, or on a stroke: what it holds is left out", self.patterned));
+            self.warnings.push(format!("{} shapes are painted with a pattern that is too fine, or on a stroke: it counts as an even tone, or as a line", self.patterned));
         }
         if self.unread_masks > 0 {
             self.warnings.push(format!("{} shapes of masks hold a pattern or a cone: taken as one even light", self.unread_masks));
@@ -391,17 +391,18 @@ impl Outlines {
         let veils = |paint: &Paint, opacity: Opacity| hiding(paint, opacity) != Some(0) && paints::is_white(paints::colour(paint));
         let fill_veil = fill.filter(|f| veils(f.paint(), f.opacity()));
         let stroke_veil = stroke.filter(|s| veils(s.paint(), s.opacity()));
+        let afar = fill.and_then(|f| if let Paint::Pattern(p) = f.paint() { Some(servers::from_afar(p)) } else { None });
         let drawn = SvgPath {
             layer,
             covers: covers_from.is_some() as u8,
             covers_from: covers_from.unwrap_or(0),
-            opacity: fill.map_or(0.0, |f| f.opacity().get()),
+            opacity: fill.map_or(0.0, |f| f.opacity().get()) * afar.map_or(1.0, |(_, share)| share),
             stroke_opacity: stroke.map_or(0.0, |s| s.opacity().get()),
             stroked: stroke.is_some() as u8,
             filled: fill.is_some() as u8,
             caps: stroke.is_some_and(|s| s.linecap() != LineCap::Butt) as u8,
             even_odd: path.fill().is_some_and(|f| f.rule() == FillRule::EvenOdd) as u8,
-            fill: fill.map_or(0, |f| paints::colour(f.paint())),
+            fill: fill.map_or(0, |f| afar.map_or(paints::colour(f.paint()), |(colour, _)| colour)),
             stroke: stroke.map_or(0, |s| paints::colour(s.paint())),
             width,
             hides: if hides_from.is_some() { Hides::Beneath } else { Hides::Nothing },

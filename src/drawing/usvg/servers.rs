@@ -2,8 +2,8 @@
 
 use crate::outlines::{Outlines, SvgClip, SvgPath};
 use crate::paints;
-use usvg::tiny_skia_path::{self, PathBuilder};
-use usvg::{BlendMode, Fill, FillRule, Paint, Path, Transform};
+use usvg::tiny_skia_path::{self, PathBuilder, PathSegment, Point};
+use usvg::{BlendMode, Fill, FillRule, Group, Node, Paint, Path, Pattern, Transform};
 
 const MOST_TILES: usize = 10_000; // of patterns, in all
 
@@ -59,4 +59,66 @@ impl Outlines {
             self.put(&leap.area, ts.pre_concat(to_shape), line);
         }
     }
+}
+
+/// A pattern from afar, as a tone: the mean of its colours, and the share of a tile that they paint. What overlaps
+/// counts twice.
+pub fn from_afar(pattern: &Pattern) -> (u32, f32) {
+    let mut painted = [0.0f32; 4]; // red, green and blue times area, and the area
+    weigh(pattern.root(), 1.0, &mut painted);
+    let whole = pattern.rect().width() * pattern.rect().height();
+    let [red, green, blue] = [0, 1, 2].map(|k| (painted[k] / painted[3].max(f32::MIN_POSITIVE)) as u32);
+    (red << 16 | green << 8 | blue, (painted[3] / whole).clamp(0.0, 1.0))
+}
+
+/// scale: of areas, the opacity around included.
+fn weigh(group: &Group, scale: f32, painted: &mut [f32; 4]) {
+    let ts = group.transform();
+    let scale = scale * group.opacity().get() * (ts.sx * ts.sy - ts.kx * ts.ky).abs();
+    let add = |painted: &mut [f32; 4], paint: &Paint, area: f32| {
+        let colour = paints::colour(paint);
+        for (k, shift) in [16, 8, 0].into_iter().enumerate() {
+            painted[k] += area * (colour >> shift & 0xff) as f32;
+        }
+        painted[3] += area;
+    };
+    for node in group.children() {
+        match node {
+            Node::Path(path) if path.is_visible() => {
+                let (area, length) = area_and_length(path.data());
+                path.fill().into_iter().for_each(|f| add(painted, f.paint(), scale * f.opacity().get() * area));
+                path.stroke().into_iter().for_each(|s| add(painted, s.paint(), scale * s.opacity().get() * s.width().get() * length));
+            }
+            Node::Group(inner) => weigh(inner, scale, painted),
+            _ => {}
+        }
+    }
+}
+
+fn area_and_length(path: &tiny_skia_path::Path) -> (f32, f32) {
+    let between = |a: Point, b: Point, share: f32| Point::from_xy(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y));
+    let (mut twice, mut length) = (0.0, 0.0);
+    let (mut start, mut at) = (Point::zero(), Point::zero());
+    for segment in path.segments() {
+        let points = match segment {
+            PathSegment::MoveTo(p) => {
+                twice += at.cross(start);
+                (start, at) = (p, p);
+                continue;
+            }
+            PathSegment::LineTo(p) => [at, p, p, p],
+            PathSegment::QuadTo(a, p) => [at, between(at, a, 2.0 / 3.0), between(p, a, 2.0 / 3.0), p],
+            PathSegment::CubicTo(a, b, p) => [at, a, b, p],
+            PathSegment::Close => [at, start, start, start],
+        };
+        for i in 1..=8 {
+            let (t, s) = (i as f32 / 8.0, 1.0 - i as f32 / 8.0);
+            let shares = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
+            let next = points.iter().zip(shares).fold(Point::zero(), |sum, (p, share)| sum + between(Point::zero(), *p, share));
+            (twice, length) = (twice + at.cross(next), length + at.distance(next));
+            at = next;
+        }
+    }
+    twice += at.cross(start);
+    (twice.abs() / 2.0, length)
 }

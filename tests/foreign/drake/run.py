@@ -246,7 +246,7 @@ def commissioned():
     return {
         "delay_ms": 1e3 * found["latency"]["delay_s"],
         "explained": found["latency"]["explained"],
-        "most_friction_Nm": max(joint["coulomb_Nm"] for joint in found["friction"]),
+        "most_friction_Nm": max(abs(joint["coulomb_Nm"]) for joint in found["friction"]),
     }
 
 

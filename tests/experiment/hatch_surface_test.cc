@@ -1,5 +1,5 @@
 // Distances between hatch lines, measured on surfaces in closed form.
-#include "impedraw/experiment/hatch_distances.h"
+#include "impedraw/experiment/hatch_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -41,10 +41,10 @@ const std::vector<std::pair<const char*, Height>> kSurfaces = {
        return std::sqrt(0.1 * 0.1 - std::min(r2, 0.006));
      }}};
 
-// To the next line on the left, relative to the spacing, sorted: from places within `radius` of the
+// To the next line on the left, relative to the spacing, sorted: from places of a ring about the
 // drawing's middle.
 std::vector<double> spacings(const std::vector<Stroke>& lines, const Placement& placement, Height z,
-                             double spacing, double radius) {
+                             double spacing, double radius, double hole = 0) {
   struct Place {
     Vector3d p;
     Vector2d along;
@@ -65,7 +65,8 @@ std::vector<double> spacings(const std::vector<Stroke>& lines, const Placement& 
   std::vector<double> found;
   for (const auto& line : laid)
     for (std::size_t i = 0; i < line.size(); i += 100) {
-      if ((line[i].p.head<2>() - placement.centre_m).norm() > radius) continue;
+      const double from_middle = (line[i].p.head<2>() - placement.centre_m).norm();
+      if (from_middle > radius || from_middle < hole) continue;
       double nearest = 4.0;
       for (const auto& other : laid) {
         if (&other == &line) continue;
@@ -81,7 +82,7 @@ std::vector<double> spacings(const std::vector<Stroke>& lines, const Placement& 
   return found;
 }
 
-TEST(HatchDistances, LinesAreEvenOnSlopesOf45Degrees) {
+TEST(HatchSurface, LinesAreEvenOnSlopesOf45Degrees) {
   const Area square{{{{0, 0}, {120, 0}, {120, 120}, {0, 120}}}, false, 0};
   Artwork artwork;
   artwork.areas = {square};
@@ -90,12 +91,12 @@ TEST(HatchDistances, LinesAreEvenOnSlopesOf45Degrees) {
   settings.rotate_deg = 20;
   const Placement placement = place(artwork, settings);
   for (const auto& [name, z] : kSurfaces) {
-    const SurfaceDistances distances = hatch_distances(surface_of(z), placement, artwork.areas);
+    const HatchSurface distances = hatch_surface(surface_of(z), placement, artwork.areas);
     double widest = 0;
     for (const double angle : {0.0, 45.0, 110.0}) {
       SCOPED_TRACE(fmt::format("{} {}", name, angle));
       const HatchSettings hatch{.spacing_mm = 2, .angle_deg = angle};
-      const auto measured = [&](const SurfaceDistances& by) {
+      const auto measured = [&](const HatchSurface& by) {
         return spacings(hatch_lines(square, hatch, placement.scale(), by), placement, z, 2e-3,
                         0.045);
       };
@@ -108,6 +109,39 @@ TEST(HatchDistances, LinesAreEvenOnSlopesOf45Degrees) {
       widest = std::max(widest, flat.back());
     }
     EXPECT_GT(widest, 1.1) << "any lines would do";
+  }
+}
+
+TEST(HatchSurface, RingsAreEvenOnSlopesOf45Degrees) {
+  Area disc{{{}}, false, 0};
+  for (int i = 0; i < 360; ++i) {
+    const double at = i * 3.14159265358979 / 180;
+    disc.outlines[0].push_back({60 + 55 * std::cos(at), 60 + 55 * std::sin(at)});
+  }
+  Artwork artwork;
+  artwork.areas = {disc};
+  PlacementSettings settings;
+  settings.scale = 0.9;
+  const Placement placement = place(artwork, settings);
+  for (const auto& [name, z] : kSurfaces) {
+    const HatchSurface surface = hatch_surface(surface_of(z), placement, artwork.areas);
+    for (const HatchStyle style : {HatchStyle::concentric, HatchStyle::contour_parallel}) {
+      SCOPED_TRACE(fmt::format("{} {}", name, static_cast<int>(style)));
+      const HatchSettings hatch{.spacing_mm = 2, .style = style};
+      // Insets meet at the middle, where the way to the next one is longer.
+      const auto measured = [&](const HatchSurface& by) {
+        return spacings(hatch_lines(disc, hatch, placement.scale(), by), placement, z, 2e-3, 0.045,
+                        style == HatchStyle::concentric ? 0.005 : 0.03);
+      };
+      const std::vector<double> even = measured(surface);
+      ASSERT_GT(even.size(), 80u);
+      const std::size_t few = even.size() / 50;
+      fmt::print("{:6} {}: {:.3f} to {:.3f}, but for 2 % on either side {:.3f} to {:.3f}\n", name,
+                 static_cast<int>(style), even.front(), even.back(), even[few],
+                 even[even.size() - 1 - few]);
+      EXPECT_GT(even[few], 0.95);
+      EXPECT_LT(even[even.size() - 1 - few], 1.05);
+    }
   }
 }
 
