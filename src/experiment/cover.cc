@@ -151,6 +151,8 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
   if (!given("path.draw_speed")) s.path.draw_speed = 0.1;
   if (!given("path.draw_acceleration")) s.path.draw_acceleration = 2.0;
   if (!given("path.travel_acceleration")) s.path.travel_acceleration = 1.0;
+  // A face that leans off the normal presses with one side, and more than the law makes up for.
+  if (!given("path.tilt_allowance")) s.path.tilt_allowance_deg = 0.0;
   const double r = s.tool.radius.value_or(PadSettings().radius), voxel = s.perception.voxel;
   NormalSettings& normals = s.perception.normals;
   const int over = static_cast<int>(std::numbers::pi * r * r / (voxel * voxel));
