@@ -145,6 +145,8 @@ PathSettings Planning::path_settings() const {
   PathSettings path = s_.path;
   path.X_WP = artwork_.X_WP;
   path.heading = heading_of(s_, belief_.arm, belief_.start_q);
+  // Lines that cover an area end where the arm's reach does, and the normal may lead out of it.
+  if (s_.tool.kind == ToolKind::pad) path.steep = 0.0;
   // A sensor is tared at rest before anything moves.
   if (has_sensor(s_.control.source))
     path.start_hold = std::max(path.start_hold, s_.control.sensing.tare_time + 1.0);

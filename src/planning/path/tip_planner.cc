@@ -24,8 +24,7 @@ constexpr double kCentripetalShare = 0.8;
 // share of the limits used; the rest covers maxima between the samples of PathSpline::bounds
 constexpr double kMargin = 0.999;
 // Between strokes the pen leans off the drawing axis by no more than this, so that the arm reaches
-// far over steep surfaces. From a steeper place a lift goes straight up after clearing the surface,
-// and the pen rights itself on the way [rad].
+// far over steep surfaces; from a steeper place it rights itself on the way [rad].
 constexpr double kLeaning = 35.0 * std::numbers::pi / 180.0;
 constexpr double kClearance = 0.01;  // length of that clearing move along n [m]
 constexpr double kPause = 0.1;       // rest where the run waits for a person [s]
@@ -144,11 +143,11 @@ class Planner {
     return z;
   }
 
-  // The point that the pen reaches from p along n: at the safe height or, where n is too flat, just
+  // The point that the pen reaches from p along n: at the safe height or, on a steep place, just
   // clear of the surface. above() then leads straight up.
   Vector3d clear_of(const Vector3d& p, const Vector3d& n) const {
     const double rise = std::max(0.0, safe_z_ - p.z());
-    return p + n * (n.z() >= std::cos(kLeaning) ? rise / n.z() : kClearance);
+    return p + n * (n.z() >= std::cos(s_.steep) ? rise / n.z() : kClearance);
   }
   // n, or what is nearest to it and leans by kLeaning.
   static Vector3d righted(const Vector3d& n) {

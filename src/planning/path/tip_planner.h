@@ -10,6 +10,7 @@
 #pragma once
 
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -37,6 +38,8 @@ struct PathSettings {
   double turn_speed = 1.0;           // of n during travel [rad/s]
   double turn_acceleration = 4.0;    // [rad/s²]
   double safe_height = 0.03;         // travel height above the surface's highest point [m]
+  // From a place that is steeper, a lift goes straight up once it is clear of the surface [rad].
+  double steep = 35.0 * std::numbers::pi / 180.0;
   // the surface's highest point [m]; default: the highest that the strokes touch
   std::optional<double> highest_z;
   double smoothing_time = 0.04;  // time over which an acceleration builds up [s]

@@ -68,6 +68,18 @@ TEST(TipPath, StartsAtTheStartAndEndsAboveTheLastPoint) {
   EXPECT_EQ(path.at(-1).reference.p_WD, path.at(0).reference.p_WD);
 }
 
+// A lift along the normal would lead out of the arm's reach where the lines that cover an area end.
+TEST(TipPath, LiftsGoStraightUpFromAPlaceThatIsSteeperThanAsked) {
+  const Vector3d above = surfaces::bowl(0.6, 0.05)->p_P + 0.01 * surfaces::bowl(0.6, 0.05)->n_P;
+  PathSettings settings;
+  settings.highest_z = 0.16;
+  settings.steep = 0.0;
+  const TipPath path = plan_tip_path({line({{0.55, 0}, {0.6, 0.05}})}, surfaces::bowl, settings);
+  const Vector3d end = path.at(path.duration()).reference.p_WD;
+  EXPECT_LT((end - above).head<2>().norm(), 1e-6);
+  EXPECT_NEAR(end.z(), 0.16 + settings.safe_height, 1e-9);
+}
+
 // An arm cannot hold its pen at 60° wherever it can hold it at 35°.
 TEST(TipPath, ThePenRightsItselfBetweenStrokesOnASteepSurface) {
   const double slope = std::tan(60.0 * std::numbers::pi / 180.0);
