@@ -123,7 +123,7 @@ class Planning {
   void check(const std::vector<StrokePart>& lost);
   void promise();
   void plan_path();
-  void leave_out_barred(std::vector<Finding> transitions, double share);
+  void leave_out_barred(std::vector<Finding> transitions);
   void leave_out(const OffSurface& off);
   bool leave_out_crawling();
   void take_away(std::size_t drawable, double from, double to, Finding finding);
@@ -138,6 +138,7 @@ class Planning {
   double wrap_doubt_ = 0.0;  // [m]
   std::vector<std::string> heading_notes_;
   std::vector<int> of_artwork_;  // the artwork's number of each promised stroke
+  std::vector<double> shares_;   // of each drawable part: what it loses if it is barred
   Plan plan_;
 };
 
@@ -317,9 +318,9 @@ void Planning::note_roughness() {
 
 // Plans the path and omits strokes that it cannot reach.
 void Planning::plan_path() {
-  // Each round shortens or leaves out at least one, where ways are barred by more than the last.
-  for (double share = 0.1; !plan_.strokes.empty();) {
-    plan_.path = TipPath();  // of what was promised before: large
+  shares_.assign(plan_.preflight.drawable.size(), 0.1);
+  while (!plan_.strokes.empty()) {  // each round shortens or leaves out at least one
+    plan_.path = TipPath();         // of what was promised before: large
     const double looks = 3.0 * plane_length(plan_.strokes) / plan_.path_settings.knot_spacing +
                          3.0 * static_cast<double>(plan_.strokes.size());
     const auto tell_path = [&](double done) { tell("planning the path", 0.65 + 0.15 * done); };
@@ -338,8 +339,7 @@ void Planning::plan_path() {
     if (may_move())
       std::erase_if(transitions, [](const Finding& f) { return passes_with_canvas(f.problem); });
     if (transitions.empty()) return;
-    leave_out_barred(std::move(transitions), share);
-    share *= 2.0;
+    leave_out_barred(std::move(transitions));
     promise();
   }
   plan_.path = TipPath();
@@ -348,10 +348,11 @@ void Planning::plan_path() {
 // Findings have the path's stroke numbers. Where the way to a stroke or off it is barred, the
 // stroke is shortened at that end by a share of its length, or left out if too little remains;
 // where the arm cannot follow it from there, that part is left out, with more about it for a
-// greater share.
-void Planning::leave_out_barred(std::vector<Finding> transitions, double share) {
+// greater share. What is barred again loses twice that.
+void Planning::leave_out_barred(std::vector<Finding> transitions) {
   constexpr double kShorten = 5e-3, kAbout = 50e-3;  // at least; times the share [m]
-  plan_.path = TipPath();                            // large, and has told what it can
+  constexpr double kLong = 0.2;  // a longer stroke loses no more for being longer [m]
+  plan_.path = TipPath();        // large, and has told what it can
   std::vector<Finding*> barring(plan_.preflight.drawable.size(), nullptr);
   for (Finding& f : transitions) {
     const auto i = static_cast<std::size_t>(f.part.stroke);
@@ -364,7 +365,8 @@ void Planning::leave_out_barred(std::vector<Finding> transitions, double share) 
     Finding& f = *barring[i];
     const StrokePart whole = plan_.preflight.drawable[i];
     double from = whole.from, to = whole.to;
-    const double less = std::max(kShorten, share * whole.length());
+    const double share = std::exchange(shares_[i], 2.0 * shares_[i]);
+    const double less = std::max(kShorten, share * std::min(whole.length(), kLong));
     if (f.way == WayEnd::first) {
       to = from + less;
     } else if (f.way == WayEnd::last) {
@@ -395,6 +397,9 @@ void Planning::take_away(std::size_t i, double from, double to, Finding finding)
     gone.to = whole.to;
   const auto at = drawable.erase(drawable.begin() + static_cast<std::ptrdiff_t>(i));
   drawable.insert(at, left.begin(), left.end());
+  const double share = shares_[i];
+  const auto there = shares_.erase(shares_.begin() + static_cast<std::ptrdiff_t>(i));
+  shares_.insert(there, left.size(), share);
   finding.part = on_artwork(plan_, artwork_.placement, gone);
   plan_.preflight.findings.push_back(std::move(finding));
 }
