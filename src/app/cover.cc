@@ -13,10 +13,10 @@
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/cover.h"
 #include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/prepare.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/log/run_rows.h"
-#include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/report/cover_picture.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"
@@ -30,6 +30,10 @@ namespace impedraw {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Lines that keep within the arm's reach treat more evenly, but are not to promise less than this
+// share of what the lines do that are cut where the reach ends.
+constexpr double kOfDraft = 0.975;
 
 // Both maps of a run, fed row by row.
 class Judge {
@@ -85,25 +89,18 @@ class Judge {
   Eigen::Vector3d seen_ = Eigen::Vector3d::Constant(1e9), own_ = seen_;  // E in P, before
 };
 
-std::vector<std::vector<Eigen::Vector2d>> promised_lines(const Experiment& e) {
-  std::vector<std::vector<Eigen::Vector2d>> lines;
+std::vector<char> promised_places(const Experiment& e, const CoverPlan& plan,
+                                  const SurfaceGrid& on) {
+  PlaneLines lines;
   for (const PlacedStroke& stroke : e.plan.strokes) lines.push_back(stroke.p_P);
-  return lines;
+  return swept(on, lines, plan.wish.footprint.radius - kAstray);
 }
 
 // What a perfect planner reaches with this arm: less what the arm cannot reach on any of the lines.
-std::vector<char> reachable_by_arm(const Experiment& e, const TrueCover& truth, double radius,
+std::vector<char> reachable_by_arm(const CoverPlan& plan, const TrueCover& truth,
                                    const std::vector<char>& promised) {
-  std::vector<std::vector<Eigen::Vector2d>> lines;
-  for (const Finding& f : e.plan.preflight.findings) {
-    const bool of_arm = f.problem >= Problem::out_of_reach && f.problem <= Problem::arm_collision;
-    if (!of_arm || f.way != WayEnd::none) continue;  // a way there may be planned otherwise
-    for (const PlacedStroke& stroke : e.artwork.strokes)
-      if (stroke.number == f.part.stroke)
-        lines.push_back(StrokeRuler(stroke).part(f.part.from, f.part.to).p_P);
-  }
   std::vector<char> places = truth.reachable;
-  const std::vector<char> beyond = swept(truth.grid, lines, radius);
+  const std::vector<char> beyond = swept(truth.grid, plan.beyond_arm, plan.wish.footprint.radius);
   for (std::size_t v = 0; v < places.size(); ++v)
     places[v] = places[v] && (promised[v] || !beyond[v]);
   return places;
@@ -121,9 +118,9 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
                    const Judge& judge) {
   const SurfaceGrid& g = truth.grid;
   const double r = plan.wish.footprint.radius;
-  const std::vector<char> promised = swept(g, promised_lines(e), r - kAstray);
+  const std::vector<char> promised = promised_places(e, plan, g);
   const std::vector<char> inner = inside_by(g, promised, r);
-  const double reachable = area_of(g, reachable_by_arm(e, truth, r, promised));
+  const double reachable = area_of(g, reachable_by_arm(plan, truth, promised));
   Results out;
   out.places = promised;
   out.promised = shares_of(judge.truth(), promised);
@@ -244,24 +241,49 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   std::optional<ProgressLine> line(std::in_place);
   line->update("looking at the canvas", 0.0);
   Scene scene = scenes.take(scenario, X_WP, errors);
-  const CoverPlan plan = plan_cover(scenario, scene.belief, X_WP, errors, [&](double share) {
+  CoverPlan plan = plan_cover(scenario, scene.belief, X_WP, errors, [&](double share) {
     line->update("covering the surface", 0.1 + 0.2 * share);
   });
   const TrueCover truth = true_cover(scenario, scene.truth, X_WP, plan);
   scenes.give_back(std::move(scene));
-  for (const std::string& note : plan.notes) say(stderr, "note: {}\n", note);
   make_folder(folder);
-  const fs::path strokes = fs::absolute(folder / "cover.csv");
-  const std::string lines = cover_strokes(plan, scenario);
-  if (begun && lines != text_of(strokes))
+  const fs::path strokes = fs::absolute(folder / "cover.csv"),
+                 draft = fs::absolute(folder / "cover-draft.csv");
+  const std::string begun_along = begun ? text_of(strokes) : "";
+  const auto lay = [&](const CoverPlan& along, const fs::path& file, double from) {
+    write_whole(file, cover_strokes(along, scenario));
+    return prepare(
+        drawing_of_cover(scenario, file), places, Unreachable::refuse,
+        [&](const char* what, double share) { line->update(what, from + 0.35 * share); }, &scenes);
+  };
+  const bool other = begun && begun_along != cover_strokes(plan, scenario);
+  std::optional<Prepared> laid(lay(plan, other ? draft : strokes, 0.3));
+  CoverPlan within = plan;
+  const bool again = keep_within_reach(scenario, *laid, &within) && (other || !begun);
+  plan.beyond_arm = within.beyond_arm;
+  if (other && (!again || begun_along != cover_strokes(within, scenario)))
     throw InputError(
         fmt::format("--resume: the area in {} was begun along other lines; use the same settings",
                     folder.string()));
-  write_whole(strokes, lines);
-  Prepared experiment = prepare(
-      drawing_of_cover(scenario, strokes), places, Unreachable::refuse,
-      [&](const char* what, double share) { line->update(what, 0.3 + 0.7 * share); }, &scenes);
+  if (again) {
+    const auto promised = [&] {
+      return area_of(plan.grid, promised_places(*laid, plan, plan.grid));
+    };
+    const auto lay_anew = [&](const CoverPlan& along) {
+      scenes.give_back(scene_of(std::move(*laid)));
+      laid.emplace(lay(along, strokes, 0.65));
+    };
+    const double least = kOfDraft * promised();
+    lay_anew(within);
+    if (other || promised() >= least)
+      plan = std::move(within);
+    else
+      lay_anew(plan);
+  }
+  fs::remove(draft);
+  for (const std::string& note : plan.notes) say(stderr, "note: {}\n", note);
   line.reset();
+  Prepared& experiment = *laid;
   print_notes(experiment);
 
   Judge judge(experiment, plan, truth);

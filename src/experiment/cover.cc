@@ -10,8 +10,8 @@
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/regions.h"
 #include "impedraw/experiment/height_sources.h"
-#include "impedraw/planning/cover/even_forces.h"
 #include "impedraw/planning/cover/even_lines.h"
+#include "impedraw/planning/stroke_part.h"
 
 namespace impedraw {
 namespace {
@@ -22,6 +22,8 @@ constexpr double kForceChange = 0.06;  // of the force along the lines at most, 
 // Between the points of a line [m]. The path keeps to their chords within a tenth of it, which a
 // pad does not feel: held within 10 µm, each would be a bend to slow down at.
 constexpr double kExact = 1e-3;
+// Of the centres from places that the arm does not reach [m].
+constexpr double kOffReach = 1e-3;
 
 Footprint footprint_of(const PadSettings& pad) { return {pad.radius, pad.rest, pad.thickness}; }
 
@@ -135,8 +137,32 @@ void note_rest(double max_slope_deg, CoverPlan* cover) {
   if (rest > 1e-5)
     cover->notes.push_back(fmt::format(
         "{:.1f} of {:.1f} cm² are not covered: within the pad's margin of an edge or a hole, or "
-        "where the pad's face does not touch as a whole",
-        cm2 * rest, cm2 * plan.centres.wanted));
+        "where the pad's face does not touch as a whole{}",
+        cm2 * rest, cm2 * plan.centres.wanted,
+        plan.centres.within_reach.empty() ? "" : ", or where the arm does not reach"));
+}
+
+// On the plan's centres.
+void lay_lines(const Scenario& s, CoverPlan* cover) {
+  CoverPlan& plan = *cover;
+  const double radius = plan.wish.footprint.radius;
+  plan.lines = cover_lines(plan.grid, plan.centres, plan.wish);
+  const auto promised = [&] { return swept(plan.grid, plan.lines.passes, radius - kAstray); };
+  const std::vector<char> inner = inside_by(plan.grid, promised(), radius);
+  even_lines(plan.grid, plan.centres.clearance, radius, inner, plan.lines.edges,
+             &plan.lines.passes);
+  for (auto& pass : plan.lines.passes) pass = rounded(pass, kExact);
+  plan.promised_area = area_of(plan.grid, promised());
+  plan.forces = even_forces(plan.grid, plan.lines.passes, radius, inner, kForceChange);
+  for (auto& pass : plan.forces)
+    for (double& f : pass) f *= s.control.normal_force;
+  plan.notes.clear();
+  note_rest(s.preflight.max_slope_deg, cover);
+}
+
+std::vector<Eigen::Vector2d> line_of(const PlacedArtwork& artwork, const StrokePart& part) {
+  const PlacedStroke& stroke = artwork.strokes[static_cast<std::size_t>(part.stroke)];
+  return part_of(stroke, part.from, part.to).p_P;
 }
 
 }  // namespace
@@ -186,18 +212,44 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
                                      [&] { return region_of(s, plan.grid, X_WP); });
   plan.centres = footprint_centres(plan.grid, plan.wish);
   require_centres(plan, s, errors);
-  plan.lines = cover_lines(plan.grid, plan.centres, plan.wish);
-  const auto promised = [&] { return swept(plan.grid, plan.lines.passes, pad->radius - kAstray); };
-  const std::vector<char> inner = inside_by(plan.grid, promised(), pad->radius);
-  even_lines(plan.grid, plan.centres.clearance, pad->radius, inner, plan.lines.edges,
-             &plan.lines.passes);
-  for (auto& pass : plan.lines.passes) pass = rounded(pass, kExact);
-  plan.promised_area = area_of(plan.grid, promised());
-  plan.forces = even_forces(plan.grid, plan.lines.passes, pad->radius, inner, kForceChange);
-  for (auto& pass : plan.forces)
-    for (double& f : pass) f *= s.control.normal_force;
-  note_rest(s.preflight.max_slope_deg, &plan);
+  lay_lines(s, &plan);
   return plan;
+}
+
+bool keep_within_reach(const Scenario& s, const PlannedDrawing& drawing, CoverPlan* plan) {
+  const SurfaceGrid& g = plan->grid;
+  std::vector<StrokePart> lost;
+  for (const Finding& f : drawing.plan.preflight.findings) {
+    const bool of_arm = f.problem >= Problem::out_of_reach && f.problem <= Problem::arm_collision;
+    if (f.way != WayEnd::none) continue;  // it may be planned otherwise
+    if (of_arm || f.problem == Problem::crawls) lost.push_back(f.part);
+    if (of_arm) plan->beyond_arm.push_back(line_of(drawing.artwork, f.part));
+  }
+  lost = merged(std::move(lost));
+  std::vector<double> to_lost(g.size(), kFar), to_kept = to_lost;
+  const auto measure = [&](const std::vector<StrokePart>& parts, std::vector<double>* nearest) {
+    for (const StrokePart& part : parts)
+      for (const Eigen::Vector2d& p : line_of(drawing.artwork, part)) {
+        const Eigen::Vector3d at = g.lifted(p);
+        around(g, at, plan->wish.spacing, [&](std::size_t v) {
+          (*nearest)[v] = std::min((*nearest)[v], (g.point(v) - at).norm());
+        });
+      }
+  };
+  measure(lost, &to_lost);
+  measure(rest_of(drawing.artwork.strokes, lost), &to_kept);
+  std::vector<char> reached(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v) reached[v] = !(to_lost[v] < to_kept[v] + g.step);
+  if (std::ranges::count(reached, 0) == 0) return false;
+  Centres& c = plan->centres;
+  c.within_reach = distance_to_edge(g, reached);
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    c.clearance[v] = std::min(c.clearance[v], c.within_reach[v] - kOffReach);
+    c.allowed[v] = c.clearance[v] >= 0.0;
+  }
+  if (std::ranges::count(c.allowed, 1) == 0) return false;
+  lay_lines(s, plan);
+  return true;
 }
 
 TrueCover true_cover(const Scenario& s, const Truth& truth, const Pose& X_WP,

@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/experiment/truth.h"
 #include "impedraw/planning/cover/cover_lines.h"
+#include "impedraw/planning/cover/even_forces.h"
 #include "impedraw/settings/setting_error.h"
 
 namespace impedraw {
@@ -24,6 +26,7 @@ struct CoverPlan {
   std::vector<std::vector<double>> forces;  // at each point of the lines [N]
   double promised_area = 0.0;               // [m²]
   std::vector<std::string> notes;           // what of the area is not covered, one line each
+  PlaneLines beyond_arm;                    // where a footprint's centre is out of the arm's reach
 };
 
 // The scenario as ./impedraw cover completes it: a pad where the tool is not given, 100 mm/s,
@@ -35,6 +38,10 @@ Scenario with_cover_defaults(Scenario scenario, const Places& places);
 CoverPlan plan_cover(const Scenario& scenario, const Belief& belief, const Pose& X_WP,
                      const SettingErrors& setting_errors,
                      const std::function<void(double)>& progress = {});
+
+// Lays the lines anew, away from where the arm does not come or crawls, by the drawing of the lines
+// as they are. Returns false if it comes everywhere.
+bool keep_within_reach(const Scenario& scenario, const PlannedDrawing& drawing, CoverPlan* plan);
 
 // A grid over the same places with the heights of the true canvas, and what a perfect planner
 // reaches there: the footprint anywhere in the region where it touches and the slope allows it.

@@ -189,6 +189,16 @@ std::vector<Line> joined_rows(const SurfaceGrid& g, const std::vector<double>& c
   return passes;
 }
 
+// A closed line starts where the field is greatest: where the arm comes and leaves again.
+void start_within(const SurfaceGrid& g, const std::vector<double>& field, Line* line) {
+  if (field.empty() || !is_closed(*line)) return;
+  line->pop_back();
+  const auto best = std::ranges::max_element(
+      *line, {}, [&](const Eigen::Vector2d& p) { return g.sample(field, p); });
+  std::rotate(line->begin(), best, line->end());
+  line->push_back(line->front());
+}
+
 }  // namespace
 
 Centres footprint_centres(const SurfaceGrid& g, const CoverWish& wish) {
@@ -225,7 +235,8 @@ CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const Cover
   const long rounds = std::max(1L, std::lround(0.62 * radius / wish.spacing));
   for (const Line& line : level_lines(g, centres.clearance, 0.0)) {
     if (length_of(g, line) <= radius) continue;
-    const Line once = smoothed(line);
+    Line once = smoothed(line);
+    start_within(g, centres.within_reach, &once);
     Line& pass = found.passes.emplace_back(once);
     for (long k = 1; k < rounds && is_closed(once); ++k)
       pass.insert(pass.end(), once.begin() + 1, once.end());

@@ -39,7 +39,9 @@ inline constexpr double kTouching = 0.98;
 struct Centres {
   std::vector<double> clearance;  // to the border of the centres, < 0 beyond it [m]
   std::vector<char> allowed;
-  double wanted = 0.0;                  // area of the surface that is known and wanted [m²]
+  std::vector<double>
+      within_reach;     // distance from where the arm does not come; empty: unknown [m]
+  double wanted = 0.0;  // area of the surface that is known and wanted [m²]
   std::size_t on_edge = 0, uneven = 0;  // vertices that an edge, or an uneven footprint, rules out
 };
 Centres footprint_centres(const SurfaceGrid& grid, const CoverWish& wish);

@@ -183,6 +183,23 @@ TEST(CoverLines, KeepOffAHole) {
       ASSERT_GT((p - Eigen::Vector2d(0.01, 0.0)).norm(), 0.012 + 0.015);
 }
 
+// Where the arm comes and leaves again, if it is known where it does not come.
+TEST(CoverLines, AroundTheBorderStartFarFromWhereTheArmDoesNotCome) {
+  const SurfaceGrid g = grid_of(slope(20.0));
+  Centres c = footprint_centres(g, wish());
+  std::vector<char> reached(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v) reached[v] = g.plane(v).x() < 0.05;
+  c.within_reach = distance_to_edge(g, reached);
+  for (std::size_t v = 0; v < g.size(); ++v)
+    c.clearance[v] = std::min(c.clearance[v], c.within_reach[v] - 1e-3);
+  const CoverLines lines = cover_lines(g, c, wish());
+  ASSERT_EQ(lines.edges, 1U);
+  EXPECT_LT(lines.passes[0].front().x(), -0.07);
+  EXPECT_EQ(lines.passes[0].front(), lines.passes[0].back());
+  for (const auto& pass : lines.passes)
+    for (const Eigen::Vector2d& p : pass) ASSERT_LT(p.x(), 0.05);
+}
+
 TEST(CoverLines, WantAWholeFace) {
   // A ridge as sharp as the pad's radius bears a part of its face only.
   const SurfaceGrid g = grid_of([](double x, double y) -> SurfaceHeight::Sample {
