@@ -95,6 +95,31 @@ TEST_F(Cover, TreatsAWindowOfTheDome) {
   EXPECT_NEAR(high[1] - low[1], 60.0 - 32.0, 3.0);
 }
 
+// The pad stands on the surface where that bends most of what its foam allows.
+TEST_F(Cover, StaysLevelOnATube) {
+  ASSERT_EQ(run("--set canvas.kind=cylinder --set canvas.cylinder.radius=0.045 "
+                "--set canvas.cylinder.width=0.075 --set canvas.cylinder.length=0.12"),
+            0)
+      << said();
+  const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_GT(metrics["treated_share"], 0.995);
+  EXPECT_LT(metrics["force_sd"], 0.35);
+  EXPECT_LT(metrics["removal_cv"], 0.08);
+}
+
+// A third of the window lies beyond the arm's reach: lines that are cut there promise 38 cm².
+TEST_F(Cover, KeepsItsLinesWithinTheReach) {
+  ASSERT_EQ(run(window("1.3") + " --set canvas.cap.centre=[0.80,0,-0.1] "
+                                "--set drawing.placement.centre=[0.80,0]"),
+            0)
+      << said();
+  const auto whole = nlohmann::json::parse(std::ifstream(folder_ / "run/cover.json"));
+  EXPECT_GT(whole["metrics"]["treated_share"], 0.995);
+  EXPECT_LT(whole["metrics"]["removal_cv"], 0.12);
+  EXPECT_GT(whole["areas_cm2"]["promised"], 55.0);
+  EXPECT_NE(said().find("or where the arm does not reach"), std::string::npos) << said();
+}
+
 // A hand lifts the pad for a while: nothing stays untreated and unsaid.
 TEST_F(Cover, KnowsWhatAHandHindered) {
   ASSERT_EQ(run(window("1") + " --set 'pushes=[{force: 0, lift: 12, middle: 0.5, "
