@@ -364,7 +364,6 @@ struct RunLog::Writer {
 double log_bytes(const RunLogHeader& header, double seconds) {
   constexpr double kResults = 20e6;      // report, pictures, the log's canvas and cloud twice
   constexpr double kRowsOfSteps = 0.12;  // of a reduced log, drawn with many short strokes
-  constexpr double kCompressed = 0.85;   // of what the journal holds
   const auto sum = [](const std::vector<LogColumn>& columns) {
     double bytes = 0.0;
     for (const LogColumn& column : columns) bytes += static_cast<double>(column.row_bytes());
@@ -372,7 +371,7 @@ double log_bytes(const RunLogHeader& header, double seconds) {
   };
   const double row = sum(log_columns(header));
   const double step = header.rate == LogRate::full ? row : sum(step_columns()) + kRowsOfSteps * row;
-  return kResults + (1.0 + kCompressed) * step * seconds / header.dt;
+  return kResults + 2.0 * step * seconds / header.dt;
 }
 
 RunLog::RunLog(const std::filesystem::path& path, const RunLogHeader& header)

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -21,8 +20,9 @@ inline constexpr double kLogVersion = 2.0;
 // A log's rows and, in a reduced log, its steps. Each table is a set of datasets of equal length.
 enum class LogTable { rows, steps };
 
-// This class compresses chunks itself (shuffle, deflate 1) and passes them to HDF5 as raw chunks.
-// The file is complete only once it is closed: it is written under a temporary name.
+// This class compresses chunks itself (shuffle, deflate 1), where that gains enough, and gives them
+// to HDF5 as they are. The file is complete only once it is closed: it is written under a temporary
+// name.
 class LogFile {
  public:
   static constexpr std::size_t kChunkRows = 4096;
@@ -38,7 +38,6 @@ class LogFile {
   // new log_id. Its wall times are removed until close().
   LogFile(const std::filesystem::path& path, const RunLogHeader& header,
           const std::vector<std::size_t>& rows);
-  ~LogFile();
 
   void resize(LogTable table, std::size_t rows);  // resizes all datasets of the table
   // Writes rows [chunk · chunk_rows, + rows) of column `c`. A partial chunk may be written again.
@@ -57,7 +56,7 @@ class LogFile {
     std::vector<h5::Id> datasets{};
   };
 
-  LogFile();
+  LogFile() = default;
   void make_tables(const RunLogHeader& header);
   void create_datasets(Table& table, const RunLogHeader& header);
   Table& at(LogTable table) { return tables_[static_cast<std::size_t>(table)]; }
@@ -67,10 +66,7 @@ class LogFile {
   void write_chunk(hid_t dataset, const char* name, std::size_t chunk, std::size_t chunk_rows,
                    std::size_t row_bytes, std::size_t size, const std::byte* data,
                    std::size_t rows);
-  std::size_t deflate_planes(std::size_t values, std::size_t size);
 
-  struct Deflater;
-  std::unique_ptr<Deflater> deflater_;
   h5::Id file_;
   std::vector<Table> tables_;  // in the order of LogTable; a full log has only the first
   WallTimes before_{0.0, 0.0, 0.0};
