@@ -1,11 +1,12 @@
 #include "impedraw/arm/arm_model.h"
 
+#include <array>
+
 #include <fmt/format.h>
 
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/frames.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
-#include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/multibody/data.hpp>
 
 #include "impedraw/arm/urdf_model.h"
@@ -32,10 +33,10 @@ struct ArmModel::Description {
 
 struct ArmModel::Workspace {
   explicit Workspace(const pinocchio::Model& model)
-      : data(model), q(Eigen::VectorXd::Zero(model.nv)), v(q) {}
+      : data(model), q(Eigen::VectorXd::Zero(model.nv)) {}
 
   pinocchio::Data data;
-  Eigen::VectorXd q, v;  // PrebuiltVector refers to plain VectorXd without a copy
+  Eigen::VectorXd q;  // PrebuiltVector refers to a plain VectorXd without a copy
 };
 
 ArmModel::ArmModel(const std::filesystem::path& urdf, const std::string& tip_frame) {
@@ -91,42 +92,63 @@ void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* ter
   const Description& d = *description_;
   Workspace& w = *workspace_;
   w.q = q;
-  w.v = v;
-  const PrebuiltVector w_q(w.q), w_v(w.v);
+  const PrebuiltVector w_q(w.q);
   ArmTerms& t = *terms;
   t.q = q;
   t.v = v;
 
-  // Two passes over the arm compute everything; separate algorithms would need five.
-  // crba in the world frame also computes placements, joint Jacobians and composite inertias Y_i.
+  // One pass of Pinocchio's: crba in the world frame also computes placements, joint Jacobians and
+  // composite inertias Y_i.
   pinocchio::crba(d.urdf.model, w.data, w_q, pinocchio::Convention::WORLD);
   t.M = w.data.M.selfadjointView<Eigen::Upper>();  // crba fills the upper triangle only
-  // Gravity torque: g_i = −J_iᵀ Y_i a_g
-  for (int i = 0; i < t.g.size(); ++i) {
-    const pinocchio::Force weight = w.data.oYcrb[i + 1] * d.urdf.model.gravity;
-    t.g[i] = -w.data.J.col(i).dot(weight.toVector());
-  }
 
-  // nonLinearEffects also computes velocities, and accelerations for v̇ = 0 minus gravity. Adding
-  // gravity to the tip's acceleration gives its drift J̇ v.
-  t.Cv = pinocchio::nonLinearEffects(d.urdf.model, w.data, w_q, w_v) - t.g;
-  if (d.damped) t.Cv += d.urdf.model.damping.cwiseProduct(w.v);
+  // Newton–Euler with v̇ = 0 and no weight, in the world frame, where those serve. Of a link:
+  // velocity and acceleration of its point at W's origin, and of its turn.
+  struct Motion {
+    Eigen::Vector3d v = Eigen::Vector3d::Zero(), w = v, a = v, alpha = v;
+    Eigen::Vector3d v_at(const Eigen::Vector3d& p) const { return v + w.cross(p); }
+    Eigen::Vector3d a_at(const Eigen::Vector3d& p) const {
+      return a + alpha.cross(p) + w.cross(v_at(p));
+    }
+  } link;
+  const int n = static_cast<int>(t.g.size());
+  const auto J_linear = w.data.J.topRows<3>(), J_angular = w.data.J.bottomRows<3>();
+  std::array<Vector6, kMaxJoints> wrench;
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Vector3d by_v = v[i] * J_linear.col(i), by_w = v[i] * J_angular.col(i);
+    link.a += link.v.cross(by_w) + link.w.cross(by_v);
+    link.alpha += link.w.cross(by_w);
+    link.v += by_v;
+    link.w += by_w;
+    const pinocchio::Inertia& body = d.urdf.model.inertias[i + 1];
+    const pinocchio::SE3& X_WL = w.data.oMi[i + 1];
+    const Eigen::Matrix3d& R = X_WL.rotation();
+    const Eigen::Vector3d c = X_WL.act(body.lever()), f = body.mass() * link.a_at(c);
+    const auto turned = [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+      return R * (body.inertia() * (R.transpose() * x));
+    };
+    wrench[i] << f, turned(link.alpha) + link.w.cross(turned(link.w)) + c.cross(f);
+  }
+  Vector6 carried = Vector6::Zero();
+  for (int i = n; i-- > 0;) {
+    carried += wrench[i];
+    t.Cv[i] = w.data.J.col(i).dot(carried);
+    // Gravity torque: g_i = −J_iᵀ Y_i a_g
+    const pinocchio::Inertia& outward = w.data.oYcrb[i + 1];
+    const Eigen::Vector3d weight = outward.mass() * d.urdf.model.gravity.linear();
+    t.g[i] = -J_linear.col(i).dot(weight) - J_angular.col(i).dot(outward.lever().cross(weight));
+  }
+  if (d.damped) t.Cv += d.urdf.model.damping.cwiseProduct(v);
+
   const pinocchio::Frame& tip = d.urdf.model.frames[d.tip];
-  const pinocchio::JointIndex link = tip.parentJoint;
-  const pinocchio::SE3 X_WE = w.data.oMi[link] * tip.placement;
-  const Eigen::Matrix3d& R_WE = X_WE.rotation();
-  t.X_WE = {X_WE.translation(), R_WE};
-  const pinocchio::Motion V_E = tip.placement.actInv(w.data.v[link]);
-  const pinocchio::Motion A_E = tip.placement.actInv(w.data.a_gf[link]);
-  t.V_WE << R_WE * V_E.linear(), R_WE * V_E.angular();
-  // classical acceleration of E's origin
-  const Eigen::Vector3d falling = A_E.linear() + V_E.angular().cross(V_E.linear());
-  t.Jdot_v << R_WE * falling + d.urdf.model.gravity.linear(), R_WE * A_E.angular();
+  const pinocchio::SE3 X_WE = w.data.oMi[tip.parentJoint] * tip.placement;
+  t.X_WE = {X_WE.translation(), X_WE.rotation()};
+  t.V_WE << link.v_at(t.X_WE.p), link.w;
+  t.Jdot_v << link.a_at(t.X_WE.p), link.alpha;
 
   // Columns of the world-frame Jacobian, moved to E's origin.
-  const auto J_linear = w.data.J.topRows<3>(), J_angular = w.data.J.bottomRows<3>();
   t.J.bottomRows<3>() = J_angular;
-  for (int i = 0; i < t.g.size(); ++i)
+  for (int i = 0; i < n; ++i)
     t.J.col(i).head<3>() = J_linear.col(i) + J_angular.col(i).cross(X_WE.translation());
 }
 
