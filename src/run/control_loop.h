@@ -42,6 +42,7 @@ class ControlLoop {
 
   // Values of the last step.
   const ArmTerms& terms() const { return terms_; }
+  const OperationalSpace* space() const { return controller_.space(); }
   const Wrench& F_ext() const { return F_ext_; }
   const SurfaceEstimate& surface() const { return surface_; }
   const CanvasFollower& canvas() const { return canvas_; }

@@ -17,6 +17,7 @@ struct Cycle {
   double state_age = 0.0;  // [s]
   const PathSample& desired;
   const ArmTerms& arm;
+  const OperationalSpace* space = nullptr;  // of the law, from its step on; null: it had none
   const Wrench& F_ext;
   const SurfaceEstimate& surface;
   const CanvasFollower& canvas;

@@ -117,6 +117,7 @@ Cycle DrivenArm::step(const PathSample& desired, const Law& law, double time_sca
   else if (!state_->stalled)
     out_ = law.kind == Law::Kind::brake ? loop_.brake(*state_, law.v_WD)
                                         : loop_.step(*state_, desired.reference);
+  cycle.space = loop_.space();
   if (watch_) {
     watch_->feel(touch(cycle), cycle.time);
     record_.stamp_lag = watch_->felt().stamps().lag();

@@ -369,6 +369,7 @@ TEST(Driver, ACycleAllocatesNothing) {
                     .dt = 1e-3,
                     .desired = desired,
                     .arm = loop.terms(),
+                    .space = loop.space(),
                     .F_ext = loop.F_ext(),
                     .surface = loop.surface(),
                     .canvas = loop.canvas(),

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
 
 namespace impedraw {
 namespace {
@@ -48,10 +47,10 @@ SignMonitor::SignMonitor(const ImpedanceSettings& s, const JointVector& torque_l
       Channels::Zero(least_.size());
 }
 
-Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
-                            const JointVector& tau) noexcept {
+Verdict SignMonitor::update(const ArmTerms& arm, const OperationalSpace* space,
+                            const Vector6& F_ext, const JointVector& tau) noexcept {
   // A state that was read before teaches nothing, and neither does rest.
-  if (arm.v == v_ || !arm.v.allFinite() || !F_ext.allFinite() || !tau.allFinite()) {
+  if (!space || arm.v == v_ || !arm.v.allFinite() || !F_ext.allFinite() || !tau.allFinite()) {
     observer_.pause();
     return {};
   }
@@ -67,9 +66,8 @@ Verdict SignMonitor::update(const ArmTerms& arm, const Vector6& F_ext,
   x.head(n) = size.head(n) = weightless;
   y.head(n) = r;
   if (felt_) {
-    const auto M = arm.M.ldlt();
     const auto along = [&](const JointVector& torque) -> Eigen::Vector3d {
-      return arm.X_WE.R.transpose() * arm.J.topRows<3>().lazyProduct(M.solve(torque));
+      return arm.X_WE.R.transpose() * arm.J.topRows<3>().lazyProduct(space->acceleration(torque));
     };
     x.tail<3>() = along(pushed);
     y.tail<3>() = along(r);

@@ -37,14 +37,16 @@ class SignMonitor {
   // torque_limit: rated, of each joint [Nm].
   SignMonitor(const ImpedanceSettings& settings, const JointVector& torque_limit);
 
-  // A cycle's state, its measured wrench and the torque that it commanded [Nm]. Does not throw, and
-  // allocates for the text alone. Damps an arm whose wrench is contradicted. The run ends at once
-  // where a joint's torque is: damping would drive the joint on.
-  Verdict update(const ArmTerms& arm, const Vector6& F_ext, const JointVector& tau) noexcept;
+  // A cycle's state, the law's factors for it (null: none), its measured wrench and the torque that
+  // it commanded [Nm]. Does not throw, and allocates for the text alone. Damps an arm whose wrench
+  // is contradicted. The run ends at once where a joint's torque is: damping would drive the joint
+  // on.
+  Verdict update(const ArmTerms& arm, const OperationalSpace* space, const Vector6& F_ext,
+                 const JointVector& tau) noexcept;
 
   // The same, after a cycle.
   Verdict judge(const Cycle& cycle) {
-    Verdict found = update(cycle.arm, cycle.F_ext, cycle.out.tau);
+    Verdict found = update(cycle.arm, cycle.space, cycle.F_ext, cycle.out.tau);
     if (found) found.cause += fmt::format(" at t = {:.3f} s", cycle.next_run_time());
     return found;
   }
