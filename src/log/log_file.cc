@@ -266,7 +266,7 @@ void LogFile::write_chunk(hid_t dataset, const char* name, std::size_t chunk,
   const hsize_t offset[2] = {chunk * chunk_rows, 0};
   // About the last five bytes of a double are noise: deflate would take as long as the control law
   // does, and leave 70 to 100 % of most columns. These are stored as they are.
-  constexpr double kMost = 3.5;  // [bits per byte]
+  constexpr double kMost = 3.0;  // [bits per byte]
   if (bits > kMost * static_cast<double>(size)) {
     constexpr std::uint32_t kNeither = 0b11;  // of the two filters of set_chunks()
     h5::check(H5Dwrite_chunk(dataset, H5P_DEFAULT, kNeither, offset, bytes, data), name);
