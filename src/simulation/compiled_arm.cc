@@ -47,7 +47,7 @@ CompiledArm compile_arm(const std::filesystem::path& urdf, double dt, double gra
   spec->compiler.fusestatic = 0;  // keep the frames of flange and tip
   spec->option.timestep = dt;
   spec->option.integrator = mjINT_EULER;
-  spec->option.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_EULERDAMP;
+  spec->option.disableflags |= mjDSBL_CONSTRAINT | mjDSBL_EULERDAMP | mjDSBL_SPRING | mjDSBL_DAMPER;
   mju_copy3(spec->option.gravity, Eigen::Vector3d(0, 0, -gravity).eval().data());
   apply(errors, spec);
   CompiledArm arm;
