@@ -65,17 +65,14 @@ struct Nearest {
   int n = 0;
 
   bool addPoint(double d2, int i) {
-    int at = n;
+    if (n == capacity && d2 >= worstDist()) return true;  // the tree asks once a leaf
+    int at = n < capacity ? n++ : capacity - 1;
     for (; at > 0 && squared[at - 1] > d2; --at) {
-      if (at == capacity) continue;
       squared[at] = squared[at - 1];
       index[at] = index[at - 1];
     }
-    if (at < capacity) {
-      squared[at] = d2;
-      index[at] = i;
-    }
-    if (n < capacity) ++n;
+    squared[at] = d2;
+    index[at] = i;
     return true;
   }
   double worstDist() const { return squared[capacity - 1]; }
