@@ -92,14 +92,12 @@ void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* ter
   const Description& d = *description_;
   Workspace& w = *workspace_;
   w.q = q;
-  const PrebuiltVector w_q(w.q);
   ArmTerms& t = *terms;
   t.q = q;
   t.v = v;
 
-  // One pass of Pinocchio's: crba in the world frame also computes placements, joint Jacobians and
-  // composite inertias Y_i.
-  pinocchio::crba(d.urdf.model, w.data, w_q, pinocchio::Convention::WORLD);
+  // In the world frame it also computes placements, joint Jacobians and composite inertias Y_i.
+  pinocchio::crba(d.urdf.model, w.data, PrebuiltVector(w.q), pinocchio::Convention::WORLD);
   t.M = w.data.M.selfadjointView<Eigen::Upper>();  // crba fills the upper triangle only
 
   // Newton–Euler with v̇ = 0 and no weight, in the world frame, where those serve. Of a link:

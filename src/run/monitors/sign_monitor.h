@@ -39,8 +39,7 @@ class SignMonitor {
 
   // A cycle's state, the law's factors for it (null: none), its measured wrench and the torque that
   // it commanded [Nm]. Does not throw, and allocates for the text alone. Damps an arm whose wrench
-  // is contradicted. The run ends at once where a joint's torque is: damping would drive the joint
-  // on.
+  // is contradicted. A joint whose torque is ends the run at once: damping would drive it on.
   Verdict update(const ArmTerms& arm, const OperationalSpace* space, const Vector6& F_ext,
                  const JointVector& tau) noexcept;
 
