@@ -20,6 +20,9 @@ constexpr double kLatenessTime = 1.0;  // over which it is averaged [s]
 // A belief that is off by kFar is smoothed twice as fast, and at most kMostHaste times.
 constexpr double kFar = 0.5e-3, kMostHaste = 4.0;  // [m]
 constexpr double kTurnLever = 0.15;                // at which a turn counts [m]
+// After so long without a frame the canvas is taken to stand where it was foreseen [s]: beyond that
+// a forecast would lead the pen anywhere.
+constexpr double kForeseen = 3.0;
 
 }  // namespace
 
@@ -163,9 +166,11 @@ CanvasEstimate SmoothedCanvas::follow(const CanvasBelief& belief, double time,
   const double dt = time - time_, shown = belief.last.time;
   const bool anew = time_ < 0.0 || !(dt >= 0.0) || dt > 0.1;
   if (belief.R_0 != R_0_) refer_to(belief.R_0);
+  const double ahead = std::min(time, shown + kForeseen);
   if (!anew) lateness_ += dt / kLatenessTime * (std::clamp(time - shown, 0.01, 0.3) - lateness_);
   for (int i = 0; i < CanvasBelief::kAxes; ++i) {
-    AxisState target = belief.blend(belief.last, i, belief.prediction ? time : shown);
+    AxisState target = belief.blend(belief.last, i, belief.prediction ? ahead : shown);
+    if (time > ahead) target.v = target.a = 0.0;
     AxisState& s = smooth_[i];
     if (i < 3) {
       target.x += felt.d[i];

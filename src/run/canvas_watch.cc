@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace impedraw {
 namespace {
 
@@ -41,6 +43,7 @@ bool CanvasWatch::take_frame(double time) {
   restamped_ = lag;
   CanvasFrame frame;
   if (!frames_->next(time, &frame)) return restamps;
+  seen_[frame.camera] = time;
   frame.time -= stamp_error_ + lag;
   tracker_->add(frame);
   if (surface_ && frame.depth) surface_->offer(tracker_->shape()->model().points(), time);
@@ -58,6 +61,16 @@ void CanvasWatch::take_frames_until_the_end() {
       std::this_thread::sleep_for(kPoll);
     }
   }
+}
+
+std::string CanvasWatch::silence(double time, double first_time) const {
+  if (seen_.empty()) return "no camera has sent a frame";
+  std::string text;
+  for (const auto& [camera, last] : seen_)
+    if (time - last > belief().longest_age)
+      text += fmt::format("{} of camera {} at t = {:.1f} s",
+                          text.empty() ? "the last frame came" : ",", camera, first_time + last);
+  return text;
 }
 
 void CanvasWatch::update(double time, const JointVector& q) noexcept {

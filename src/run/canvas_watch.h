@@ -7,6 +7,7 @@
 #pragma once
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <string>
 #include <thread>
@@ -33,6 +34,9 @@ class CanvasWatch {
   void end();
   // The source's, after the end.
   std::string remark() const { return frames_->remark(); }
+  // The cameras of which no frame has come lately at `time`, and since when, in times of a run that
+  // began at -first_time; empty: none. After the end.
+  std::string silence(double time, double first_time) const;
 
   // Once per control step, before the following. The arm is at q.
   void update(double time, const JointVector& q) noexcept;
@@ -66,7 +70,8 @@ class CanvasWatch {
   std::atomic<double> stamp_lag_ = 0.0;  // beyond the error that is known [s]
   std::atomic<int> stage_ = 0;           // 0: not begun, 1: takes frames, 2: at its end
   std::thread taker_;
-  double restamped_ = 0.0;  // the stamp_lag_ that all frames have [s]
+  double restamped_ = 0.0;      // the stamp_lag_ that all frames have [s]
+  std::map<int, double> seen_;  // when the last frame of each camera came [s]
 };
 
 }  // namespace impedraw

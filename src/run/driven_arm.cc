@@ -178,6 +178,7 @@ const LoopRecord& DrivenArm::finish() {
   if (watch_) {
     watch_->end();
     record_.frames = watch_->remark();
+    if (!knows(loop_.canvas())) record_.silence = watch_->silence(time(), first_time_);
   }
   return record_;
 }

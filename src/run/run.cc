@@ -109,6 +109,8 @@ RunOutcome run(const Experiment& e, Driver& driver, const std::filesystem::path&
   static_cast<Ending&>(outcome) = executor.ending();
   static_cast<DrawingRecord&>(outcome) = drawing->record();
   static_cast<LoopRecord&>(outcome) = arm.finish();
+  if (outcome.end == RunEnd::stopped && !outcome.silence.empty())
+    outcome.cause += "; " + outcome.silence;
   outcome.damped = executor.damped();
   const std::vector<StrokePart> lacking = remaining(e, arm.ink());
   if (outcome.end == RunEnd::finished && !e.scenario.drawing.dry_run) outcome.lacking = lacking;

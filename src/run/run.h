@@ -94,6 +94,7 @@ struct LoopRecord {
   std::optional<SlowVelocity> slow_velocity;
   double stamp_lag = 0.0;  // of frames, as it was found while drawing (stamp_lag.h) [s]
   std::string frames;      // FrameSource::remark()
+  std::string silence;     // CanvasWatch's, where the run ends without knowing the canvas
 };
 
 // `end` is never nothing_drawn or far_off: those are judged from the log.

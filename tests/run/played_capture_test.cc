@@ -142,6 +142,19 @@ TEST_F(PlayedCaptureFolder, ADrawingFollowsWhatIsPlayed) {
   EXPECT_LT(f["force_sd"], 0.4);
 }
 
+// Where the canvas would be by then nobody knows: the pen waits where it was foreseen.
+TEST_F(PlayedCaptureFolder, ACaptureThatEndsTooEarlyIsNamed) {
+  Prepared truth = prepare(resolve_scenario("moving-shape", slow_));
+  film(*truth.truth.canvas, truth.truth.world->canvas_motion(), 10.0, 6.0);
+  Prepared drawing = prepare(resolve_scenario("moving-shape", played(slow_)));
+  const std::filesystem::path log = folder_ / "run.h5";
+  const RunOutcome outcome = run(drawing, log, 0.0);
+  EXPECT_EQ(outcome.end, RunEnd::stopped);
+  EXPECT_THAT(outcome.cause,
+              ContainsRegex("no camera has known the canvas for 45 s.*; the last frame came of "
+                            "camera 0 at t = 6\\.. s, of camera 1 .*, of camera 2 at t = 6"));
+}
+
 TEST_F(PlayedCaptureFolder, WhatCannotBePlayedIsSaid) {
   const auto error_of = [&](const std::vector<std::string>& more) {
     try {
@@ -322,10 +335,17 @@ TEST_F(StreamedCaptureFolder, ACanvasThatStandsAndOneThatMovesAreDrawnOn) {
 }
 
 TEST_F(StreamedCaptureFolder, AStreamThatEndsIsNamed) {
-  const RunOutcome outcome = draw(false, 5.0);
-  EXPECT_EQ(outcome.end, RunEnd::stopped);
-  EXPECT_THAT(outcome.cause, HasSubstr("no camera has known the canvas for 45 s"));
-  EXPECT_THAT(outcome.frames, HasSubstr("of views[2], none for "));
+  for (const bool moves : {false, true}) {
+    SCOPED_TRACE(moves);
+    const RunOutcome outcome = draw(moves, 5.0);
+    EXPECT_EQ(outcome.end, RunEnd::stopped);
+    EXPECT_THAT(outcome.cause, HasSubstr("no camera has known the canvas for 45 s"));
+    EXPECT_THAT(
+        outcome.cause,
+        ContainsRegex("the last frame came of camera 0 at t = [45]\\.. s, of camera 1 at t = "
+                      "[45]\\.. s, of camera 2 at t = [45]\\.. s$"));
+    EXPECT_THAT(outcome.frames, HasSubstr("of views[2], none for "));
+  }
 }
 
 TEST_F(StreamedCaptureFolder, WithoutAStreamNothingIsDrawn) {
