@@ -17,17 +17,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLook = 3e-3;         // from one look into the folder to the next [s]
-constexpr double kClockWindow = 10.0;  // [s]
-constexpr double kNotesFor = 3.0;      // [s]
-constexpr double kSilent = 1.0;        // as long as the tracker relies on its last frame [s]
+constexpr double kLook = 3e-3;     // from one look into the folder to the next [s]
+constexpr double kNotesFor = 3.0;  // [s]
+constexpr double kSilent = 1.0;    // as long as the tracker relies on its last frame [s]
 
 double clock_now() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace
+
+double StreamClock::offset(double now, double time) noexcept {
+  if (!begun()) {
+    first_ = now;
+    first_time_ = time;
+  }
+  last_ = now;
+  last_time_ = time;
+  if (now - window_ > kWindow) {
+    least_before_ = std::exchange(least_, std::numeric_limits<double>::infinity());
+    window_ = now;
+  }
+  least_ = std::min(least_, now - time);
+  return std::min(least_, least_before_);
+}
 
 StreamedCapture::StreamedCapture(Capture capture, const fs::path& folder, CaptureCameras cameras)
     : folder_(folder), frames_of_(std::move(cameras)) {
@@ -39,9 +52,8 @@ StreamedCapture::StreamedCapture(Capture capture, const fs::path& folder, Captur
   if (age > kStale)
     throw InputError(fmt::format(
         "{}: no view has a 'time' above 0, {}, and perception.frames.enabled asks for frames; "
-        "valid "
-        "are times from the beginning of the run on, a camera that streams (./impedraw capture "
-        "--stream), or perception.frames.enabled: false",
+        "valid are times from the beginning of the run on, a camera that streams (./impedraw "
+        "capture --stream), or perception.frames.enabled: false",
         (folder / "capture.json").string(),
         newest == 0.0 ? "no camera streams into its folder"
                       : fmt::format("the newest frame in its folder is {:.3g} s old", age)));
@@ -82,20 +94,10 @@ bool StreamedCapture::next(double time, CanvasFrame* frame) noexcept {
   while (!postures_.empty() && postures_.front().time < time - kNotesFor) postures_.pop_front();
   if (time <= 0.0) return false;  // the loop has not begun
   const double now = clock_now();
-  if (first_ == 0.0) {
-    first_ = now;
-    first_time_ = time;
+  if (!clock_.begun())
     for (Camera& camera : cameras_)
       camera = {.view = std::move(camera.view), .last = now, .seen = time};
-  }
-  last_ = now;
-  last_time_ = time;
-  if (now - window_ > kClockWindow) {
-    least_before_ = std::exchange(least_, kInfinity);
-    window_ = now;
-  }
-  least_ = std::min(least_, now - time);
-  const double offset = std::min(least_, least_before_);
+  const double offset = clock_.offset(now, time);
   const auto waits = [](const Camera& camera) { return camera.next > 0.0; };
   if (std::abs(now - looked_) > kLook && std::none_of(cameras_.begin(), cameras_.end(), waits)) {
     look(time + offset);
@@ -144,7 +146,7 @@ std::string StreamedCapture::remark() const {
   if (frames > 0)
     text += fmt::format(
         "; known {:.0f} ms after exposure, and the run went {:.3g} times as fast as their clock",
-        1e3 * age_ / frames, (last_time_ - first_time_) / (last_ - first_));
+        1e3 * age_ / frames, clock_.rate());
   return text;
 }
 

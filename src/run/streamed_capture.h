@@ -20,6 +20,22 @@
 
 namespace impedraw {
 
+// The clock that stamps frames, this machine's, and the driver's [s].
+class StreamClock {
+ public:
+  // Both, read together: how far a stamp is beyond the driver's time.
+  double offset(double now, double time) noexcept;
+  bool begun() const noexcept { return first_ > 0.0; }
+  // Of the driver's, over all that was read.
+  double rate() const noexcept { return (last_time_ - first_time_) / (last_ - first_); }
+
+ private:
+  static constexpr double kWindow = 10.0;  // [s]
+
+  double least_ = std::numeric_limits<double>::infinity(), least_before_ = least_, window_ = 0.0;
+  double first_ = 0.0, last_ = 0.0, first_time_ = 0.0, last_time_ = 0.0;
+};
+
 class StreamedCapture : public FrameSource {
  public:
   static constexpr double kStale = 2.0;  // the newest frame is older: nothing streams [s]
@@ -51,10 +67,9 @@ class StreamedCapture : public FrameSource {
   std::filesystem::path folder_;
   CaptureCameras frames_of_;
   std::vector<Camera> cameras_;
-  double looked_ = 0.0;  // by this machine's clock, as the following [s]
-  double least_ = std::numeric_limits<double>::infinity(), least_before_ = least_, window_ = 0.0;
-  double first_ = 0.0, last_ = 0.0, first_time_ = 0.0, last_time_ = 0.0;  // frames were asked for
-  double age_ = 0.0;  // of all frames together, when they were known [s]
+  StreamClock clock_;
+  double looked_ = 0.0;  // by this machine's clock [s]
+  double age_ = 0.0;     // of all frames together, when they were known [s]
   Queue<Posture, 1024> noted_;
   std::deque<Posture> postures_;
 };
