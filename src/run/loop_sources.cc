@@ -9,15 +9,13 @@
 namespace impedraw {
 namespace {
 
-// Finds the canvas in the cameras' frames; null where none keeps capturing.
-std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e, const Pose& X_WK) {
+// Finds the canvas in the cameras' frames. noise: of their depths, at 1 m [m].
+std::unique_ptr<CanvasTracker> canvas_tracker(const Experiment& e, const Pose& X_WK, double noise) {
   const PerceptionSettings& p = e.scenario.perception;
-  if (!e.belief.perception || p.canvas_pose != CanvasPoseSource::tracked || !p.frames.enabled)
-    return nullptr;
   std::unique_ptr<CanvasShape> shape;
   if (p.frames.depth) {
     CanvasShapeSettings settings;
-    settings.points.sigma_at_1m = std::max(p.noise.sigma_at_1m, 1e-4);
+    settings.points.sigma_at_1m = std::max(noise, 1e-4);
     settings.self_padding = p.self_padding;
     shape = std::make_unique<CanvasShape>(e.belief.perception->cloud(), settings);
   }
@@ -43,11 +41,13 @@ Disturbances disturbances_of(const Experiment& e, bool resumed) {
 
 std::unique_ptr<CanvasWatch> canvas_watch(const Experiment& e, Driver& driver, const Pose& X_WK) {
   const PerceptionSettings& p = e.scenario.perception;
-  std::unique_ptr<CanvasTracker> tracker = canvas_tracker(e, X_WK);
-  if (!tracker) return nullptr;
+  if (!e.belief.perception || p.canvas_pose != CanvasPoseSource::tracked || !p.frames.enabled)
+    return nullptr;
+  double noise = p.noise.sigma_at_1m;
   std::unique_ptr<FrameSource> frames = std::make_unique<DriverFrames>(driver);
   if (p.source == PerceptionSource::capture)
-    frames = capture_frames(p, e.belief.arm, e.belief.camera_corrections);
+    frames = capture_frames(p, e.belief.arm, e.belief.camera_corrections, &noise);
+  std::unique_ptr<CanvasTracker> tracker = canvas_tracker(e, X_WK, noise);
   const bool lock_step = driver.info().waits && !frames->streams();
   std::unique_ptr<GrowingSurface> surface;
   if (tracker->shape() && p.frames.grow_surface)

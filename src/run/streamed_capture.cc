@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/capture/clean_view.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/text_fields.h"
 
@@ -151,7 +152,8 @@ std::string StreamedCapture::remark() const {
 }
 
 std::unique_ptr<FrameSource> capture_frames(const PerceptionSettings& settings, const ArmModel& arm,
-                                            const std::vector<CameraCorrection>& corrections) {
+                                            const std::vector<CameraCorrection>& corrections,
+                                            double* noise) {
   Capture capture = read_capture(
       settings.capture,
       [model = arm](const std::vector<double>& q) mutable {
@@ -159,6 +161,9 @@ std::unique_ptr<FrameSource> capture_frames(const PerceptionSettings& settings, 
             Eigen::Map<const Eigen::VectorXd>(q.data(), static_cast<Eigen::Index>(q.size())));
       },
       true);
+  if (noise) *noise = 0.0;
+  for (const CapturedView& view : capture.views)
+    if (noise) *noise = std::max(*noise, noise_at_1m(view));
   CaptureCameras cameras(settings, arm, corrections);
   if (capture.played.empty())
     return std::make_unique<StreamedCapture>(std::move(capture), settings.capture,

@@ -75,8 +75,10 @@ class StreamedCapture : public FrameSource {
 };
 
 // The frames of perception.capture: played back where it has views after time 0. corrections:
-// Belief's, of the views. Throws InputError like read_capture() and the two classes.
+// Belief's, of the views. *noise: of its first views' depths at 1 m, as they say or as it is
+// estimated (capture/clean_view.h) [m]. Throws InputError like read_capture() and the two classes.
 std::unique_ptr<FrameSource> capture_frames(const PerceptionSettings& settings, const ArmModel& arm,
-                                            const std::vector<CameraCorrection>& corrections = {});
+                                            const std::vector<CameraCorrection>& corrections = {},
+                                            double* noise = nullptr);
 
 }  // namespace impedraw

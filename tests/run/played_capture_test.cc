@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <thread>
 
 #include <fmt/format.h>
@@ -41,8 +42,10 @@ const Lens kLens = {.width = kPlayedWidth,
 
 class PlayedCaptureFolder : public ScratchFolder {
  protected:
-  // Images of the standard cameras at time 0 and, from then on, `rate` times a second.
-  void film(const Canvas& canvas, const CanvasMotion& motion, double rate, double until) {
+  // Images of the standard cameras at time 0 and, from then on, `rate` times a second. noise: of
+  // the depths, at 1 m [m].
+  void film(const Canvas& canvas, const CanvasMotion& motion, double rate, double until,
+            double noise = 0.0) {
     std::string views;
     const std::vector<DepthCamera> cameras = standard_cameras();
     for (int k = 0; k <= static_cast<int>(rate * until); ++k)
@@ -50,7 +53,7 @@ class PlayedCaptureFolder : public ScratchFolder {
         const double time = k / rate;
         const std::string name = fmt::format("d{}_{}.png", c, k);
         write_grey_png(folder_ / name,
-                       image(canvas, k ? motion.at(time).X_WK : Pose(), cameras[c].X_WC));
+                       image(canvas, k ? motion.at(time).X_WK : Pose(), cameras[c].X_WC, noise));
         const Pose& X = cameras[c].X_WC;
         const Eigen::Quaterniond q(X.R);
         views += fmt::format(
@@ -66,14 +69,17 @@ class PlayedCaptureFolder : public ScratchFolder {
           R"({"format": "impedraw-capture", "version": 1, "views": [)" + views + "]}");
   }
 
-  static GreyImage image(const Canvas& canvas, const Pose& X_WK, const Pose& X_WC) {
+  static GreyImage image(const Canvas& canvas, const Pose& X_WK, const Pose& X_WC,
+                         double noise = 0.0) {
+    static std::mt19937 random(1);
+    std::normal_distribution<double> normal;
     GreyImage image{kPlayedWidth, kPlayedHeight, {}};
     const Pose X_KC = X_WK.inverse() * X_WC;
     for (int j = 0; j < kPlayedHeight; ++j)
       for (int i = 0; i < kPlayedWidth; ++i) {
         const auto hit = canvas.ray(X_KC.p, X_KC.R * *kLens.direction_C(i, j));
-        image.values.push_back(hit ? static_cast<std::uint16_t>(std::lround(hit->t / kScale))
-                                   : std::uint16_t{0});
+        const double z = hit ? hit->t + noise * hit->t * hit->t * normal(random) : 0.0;
+        image.values.push_back(static_cast<std::uint16_t>(std::lround(z / kScale)));
       }
     return image;
   }
@@ -140,6 +146,16 @@ TEST_F(PlayedCaptureFolder, ADrawingFollowsWhatIsPlayed) {
   EXPECT_LT(f["ink_error_rms"], 0.3);
   EXPECT_GT(f["coverage"], 0.97);
   EXPECT_LT(f["force_sd"], 0.4);
+}
+
+// Cameras as noisy as real ones: the tracker learns it from their first images.
+TEST_F(PlayedCaptureFolder, NoisyFramesAreFollowed) {
+  Prepared truth = prepare(resolve_scenario("moving-shape", slow_));
+  film(*truth.truth.canvas, truth.truth.world->canvas_motion(), 10.0, 14.0, 1.5e-3);
+  const Figures f = draw_scenario("moving-shape", played(slow_));
+  EXPECT_GT(f["contact_fraction"], 0.99);
+  EXPECT_LT(f["ink_error_rms"], 0.5);
+  EXPECT_GT(f["coverage"], 0.95);
 }
 
 // Where the canvas would be by then nobody knows: the pen waits where it was foreseen.
