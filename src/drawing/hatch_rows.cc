@@ -59,11 +59,8 @@ std::optional<Entry> nearest_entry(const HatchLine& line, std::size_t number, co
     consider(points.size() - 1, points.back());
     return nearest;
   }
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const Vector2d along = points[i + 1] - points[i];
-    const double share = (p - points[i]).dot(along) / std::max(along.squaredNorm(), 1e-30);
-    consider(i, points[i] + std::clamp(share, 0.0, 1.0) * along);
-  }
+  for (std::size_t i = 0; i + 1 < points.size(); ++i)
+    consider(i, nearest_on_segment(points[i], points[i + 1], p));
   return nearest;
 }
 

@@ -15,6 +15,12 @@ double length(const std::vector<Vector2d>& line) {
   return sum;
 }
 
+Vector2d nearest_on_segment(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
+  const Vector2d along = b - a;
+  const double share = (p - a).dot(along) / std::max(along.squaredNorm(), 1e-30);
+  return a + std::clamp(share, 0.0, 1.0) * along;
+}
+
 double distance(const Vector2d& p, const std::vector<Vector2d>& line, std::size_t first,
                 std::size_t last) {
   double nearest = (p - line[first]).squaredNorm();

@@ -9,6 +9,10 @@ namespace impedraw {
 
 double length(const std::vector<Eigen::Vector2d>& line);
 
+// The point of the segment from a to b that is nearest to p.
+Eigen::Vector2d nearest_on_segment(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                                   const Eigen::Vector2d& p);
+
 // Distance from p to the part of the line between vertices `first` and `last`.
 double distance(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& line,
                 std::size_t first, std::size_t last);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "impedraw/drawing/polyline.h"
 #include "impedraw/planning/cover/surface_grid.h"
 
 namespace impedraw {
@@ -21,13 +22,10 @@ using Eigen::Vector2d;
 SurfaceGrid resampled(const SurfaceGrid& grid, Eigen::AlignedBox2d box, double step) {
   box.extend(box.min() - Vector2d::Constant(3 * step));
   box.extend(box.max() + Vector2d::Constant(3 * step));
-  SurfaceGrid fine{box.min(), step, {}, {}, {}, {}};
-  fine.nx = static_cast<int>(std::ceil(box.sizes().x() / step)) + 1;
-  fine.ny = static_cast<int>(std::ceil(box.sizes().y() / step)) + 1;
-  for (int v = 0; v < fine.nx * fine.ny; ++v)
-    fine.z.push_back(grid.sample(grid.z, fine.plane(static_cast<std::size_t>(v))));
-  fine.known.assign(fine.size(), true);
-  return fine;
+  const SurfaceHeight heights = [&grid](double x, double y) -> SurfaceHeight::Sample {
+    return SurfaceSample{grid.lifted({x, y}), Eigen::Vector3d::UnitZ()};  // slopes do not matter
+  };
+  return sample_surface(heights, box, step, kSteepest);
 }
 
 // Distances to the vertices about a segment in the plane.
@@ -36,14 +34,12 @@ void seed(const SurfaceGrid& grid, const Vector2d& a, const Vector2d& b,
   const Vector2d reach = Vector2d::Constant(kSeedReach * grid.step);
   const Vector2d low = (a.cwiseMin(b) - reach - grid.low) / grid.step,
                  high = (a.cwiseMax(b) + reach - grid.low) / grid.step;
-  const Vector2d along = b - a;
   for (int j = std::max(0, static_cast<int>(low.y())); j <= std::min(grid.ny - 1.0, high.y()); ++j)
     for (int i = std::max(0, static_cast<int>(low.x())); i <= std::min(grid.nx - 1.0, high.x());
          ++i) {
       const std::size_t v = grid.index(i, j);
       const Vector2d p = grid.plane(v);
-      const double share = (p - a).dot(along) / std::max(along.squaredNorm(), 1e-30);
-      const Vector2d foot = a + std::clamp(share, 0.0, 1.0) * along;
+      const Vector2d foot = nearest_on_segment(a, b, p);
       if ((p - foot).norm() <= kSeedReach * grid.step)
         (*seeds)[v] = std::min((*seeds)[v], (grid.point(v) - grid.lifted(foot)).norm());
     }

@@ -161,9 +161,10 @@ std::unique_ptr<FrameSource> capture_frames(const PerceptionSettings& settings, 
             Eigen::Map<const Eigen::VectorXd>(q.data(), static_cast<Eigen::Index>(q.size())));
       },
       true);
-  if (noise) *noise = 0.0;
-  for (const CapturedView& view : capture.views)
-    if (noise) *noise = std::max(*noise, noise_at_1m(view));
+  if (noise) {
+    *noise = 0.0;
+    for (const CapturedView& view : capture.views) *noise = std::max(*noise, noise_at_1m(view));
+  }
   CaptureCameras cameras(settings, arm, corrections);
   if (capture.played.empty())
     return std::make_unique<StreamedCapture>(std::move(capture), settings.capture,
