@@ -156,11 +156,12 @@ std::string ReadingsThatStand::update(const MotionReading& now, const MotionLimi
 
 void ReadingsThatStand::update_stops(const MotionReading& now, const MotionLimits& limits) {
   const std::size_t n = speeds_.size();
-  JointVector stops = JointVector::Zero(now.moved.size());
+  const JointVector goes_on = 2.0 * speeds_[(oldest_ + n - 1) % n] - speeds_[(oldest_ + n - 2) % n];
+  JointVector stops = JointVector::Zero(now.moved.size()), reacts = now.moved / now.dt - goes_on;
   for (Eigen::Index j = 0; j < stops.size(); ++j) {
     if (still_.readings[j] != 1.0) continue;
-    double least =
-        2.0 * speeds_[(oldest_ + n - 1) % n][j] - speeds_[(oldest_ + n - 2) % n][j];  // goes on
+    reacts[j] = 0.0;
+    double least = goes_on[j];
     for (const JointVector& speed : speeds_) {
       if (speed[j] * least <= 0.0) least = 0.0;
       if (std::abs(speed[j]) < std::abs(least)) least = speed[j];
@@ -169,7 +170,9 @@ void ReadingsThatStand::update_stops(const MotionReading& now, const MotionLimit
     stops[j] = least - std::copysign(rounding, least);
   }
   if (now.M && now.M->allFinite() && !stops.isZero(0.0)) {
-    const auto needed = now.M->lazyProduct(stops).cwiseAbs() / now.dt;
+    const auto needed = now.M->lazyProduct(stops).cwiseAbs().cwiseMin(
+                            now.M->lazyProduct(stops - reacts).cwiseAbs()) /
+                        now.dt;
     const auto changed = (now.torque - torque_).cwiseAbs() + (now.external - external_).cwiseAbs();
     const auto friction = (kFriction * limits.torque).cwiseMax(kLeastFriction);
     if ((stops.array() != 0.0).count() >= kTogether ||

@@ -394,6 +394,29 @@ TEST(Lies, AJointThatGoesOnHasNotStopped) {
   }
 }
 
+// Friction that stops a slow joint takes the heavy one along that its inertia is coupled to. Seen
+// on a pad's way over the duck: joint 3 came to rest at 0.01 rad/s, and the job was ended.
+TEST(Lies, AJointThatTakesAnotherAlongHasStopped) {
+  const JointVector speed = JointVector::Ones(2), limit = JointVector::Constant(2, 300.0);
+  const JointVector none = JointVector::Zero(2);
+  JointMatrix M(2, 2);
+  M << 4.0, 1.2, 1.2, 0.6;
+  const auto named = [&](double taken_along) {
+    MotionCheck check(speed, limit);
+    JointVector q = none;
+    for (int i = 0; i < 300; ++i) {
+      const double begun = std::min(1.0, (i + 1) / 100.0);
+      q[0] += 1e-3 * (0.05 * begun - (i < 200 ? 0.0 : taken_along));
+      if (i < 200) q[1] -= 1e-3 * 0.01 * begun;
+      if (check.update(q, nullptr, none, none, 1e-3, &M)) return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(named(1.2 / 4.0 * 0.01));
+  EXPECT_TRUE(named(0.0));
+  EXPECT_TRUE(named(-1.2 / 4.0 * 0.01));
+}
+
 TEST(Lies, ASlowArmWhosePositionsStandStillIsStoppedAtOnce) {
   for (const char* name : {"bowl-sine", "bowl-sine-natural", "bowl-sine-realistic"}) {
     SCOPED_TRACE(name);
