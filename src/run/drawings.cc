@@ -9,29 +9,28 @@
 
 namespace impedraw {
 
-StandingDrawing::StandingDrawing(const Experiment& e, TipPath first)
-    : e_(e), first_(std::move(first)), end_(first_.at(first_.duration()).reference) {}
+StandingDrawing::StandingDrawing(const Experiment& e, TipPath first, BlockedPlaces blocked)
+    : e_(e),
+      first_(std::move(first)),
+      end_(first_.at(first_.duration()).reference),
+      blocked_(std::move(blocked)) {}
 
 Move StandingDrawing::next(const Situation& now) {
   if (!std::exchange(begun_, true)) return draw(std::move(first_));
+  const Pose X_KE = now.X_KE();
   if (now.last.blocked && !blocked_.full()) {
     blocked_.add(*now.last.blocked);
-    std::optional<TipPath> around = path_around(e_, now.pen.q, now.X_KE(), now.ink, &blocked_);
-    if (around) return draw(std::move(*around));
+    std::vector<StrokePart> parts = remaining(e_, now.ink, blocked_.parts());
+    TipPath around = checked_path(e_, &parts, X_KE.p, -X_KE.R.col(2), 0.0, now.pen.q, &blocked_);
+    if (!parts.empty()) return draw(std::move(around));
   }
   const bool once = e_.scenario.drawing.dry_run || !e_.scenario.drawing.redraw;
-  return again_ || once ? Move{} : draw_again(now);
-}
-
-Move StandingDrawing::draw_again(const Situation& now) {
-  again_ = true;
-  drawn_again_ = remaining(e_, now.ink, blocked_.parts());
-  if (drawn_again_.empty()) return {};
-  const Pose X_KE = now.X_KE();
+  if (once || std::exchange(again_, true)) return {};
   const bool at_end = blocked_.parts().empty();
+  drawn_again_ = remaining(e_, now.ink, blocked_.parts());
   TipPath path =
-      path_without_misses(e_, &drawn_again_, at_end ? end_.p_WD : X_KE.p,
-                          at_end ? end_.n_WD : Eigen::Vector3d(-X_KE.R.col(2)), 0.0, &now.pen.q);
+      checked_path(e_, &drawn_again_, at_end ? end_.p_WD : X_KE.p,
+                   at_end ? end_.n_WD : Eigen::Vector3d(-X_KE.R.col(2)), 0.0, now.pen.q, &blocked_);
   return drawn_again_.empty() ? Move{} : draw(std::move(path));
 }
 

@@ -17,15 +17,14 @@ namespace impedraw {
 // is drawn once more.
 class StandingDrawing : public DrawingTask {
  public:
-  // `first`: the path of the first pass.
-  StandingDrawing(const Experiment& experiment, TipPath first);
+  // `first`: the path of the first pass, which keeps off what is blocked.
+  StandingDrawing(const Experiment& experiment, TipPath first, BlockedPlaces blocked = {});
 
   Move next(const Situation& situation) override;
   DrawingRecord record() const override;
 
  private:
   Move draw(TipPath path) const;
-  Move draw_again(const Situation& situation);
 
   const Experiment& e_;
   TipPath first_;

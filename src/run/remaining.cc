@@ -5,6 +5,16 @@
 #include "impedraw/experiment/led_heading.h"
 
 namespace impedraw {
+namespace {
+
+// A pad's face has treated, from before and behind, gaps of its centre under half a radius [m].
+double shortest_gap(const Experiment& e) {
+  const ToolSettings& tool = e.scenario.tool;
+  return tool.kind == ToolKind::pad ? 0.5 * tool.radius.value_or(PadSettings().radius)
+                                    : kShortestGap;
+}
+
+}  // namespace
 
 bool overlaps(const StrokePart& part, const std::vector<StrokePart>& others) {
   return std::any_of(others.begin(), others.end(), [&part](const StrokePart& other) {
@@ -27,17 +37,14 @@ std::vector<StrokePart> remaining(const Experiment& e, const InkWatch& ink,
                                   const std::vector<StrokePart>& given_up) {
   std::vector<StrokePart> done = ink.parts();
   done.insert(done.end(), given_up.begin(), given_up.end());
-  // A pad's face has treated, from before and behind, gaps of its centre under half a radius.
-  const ToolSettings& tool = e.scenario.tool;
-  return rest_of(
-      e.plan.strokes, done,
-      tool.kind == ToolKind::pad ? 0.5 * tool.radius.value_or(PadSettings().radius) : kShortestGap);
+  return rest_of(e.plan.strokes, done, shortest_gap(e));
 }
 
 TipPath path_for(const Experiment& e, const std::vector<StrokePart>& parts,
                  const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold,
                  const JointVector* q) {
   PathSettings settings = e.plan.path_settings;
+  settings.highest_z = e.plan.path.highest_z();
   if (q) settings.heading = heading_of(e.scenario, e.belief.arm, *q);
   return plan_from(settings, e.surface(), strokes_of(e, parts), p_KE, n_K, hold,
                    stroke_limits(e.belief, e.plan, e.plan.path_settings));
@@ -60,29 +67,31 @@ TipPath path_without_misses(const Experiment& e, std::vector<StrokePart>* parts,
   });
 }
 
-std::optional<TipPath> path_around(const Experiment& e, const JointVector& q, const Pose& X_KE,
-                                   const InkWatch& ink, BlockedPlaces* blocked) {
+TipPath checked_path(const Experiment& e, std::vector<StrokePart>* parts,
+                     const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold,
+                     const JointVector& q, BlockedPlaces* blocked) {
   PreflightSettings checks =
       preflight_settings(e.scenario, e.artwork.X_WP, e.belief.perception != nullptr, e.plan.rest_q);
   checks.normal_force = e.plan.load.normal_force;
   checks.height_error = height_error(e.belief);
   while (true) {
-    std::vector<StrokePart> parts = remaining(e, ink, blocked->parts());
-    TipPath path = path_without_misses(e, &parts, X_KE.p, -X_KE.R.col(2), 0.0, &q);
-    if (parts.empty()) return std::nullopt;
-    if (!e.scenario.preflight.arm) return path;
-    std::vector<PlacedStroke> strokes = strokes_of(e, parts);
+    TipPath path = path_without_misses(e, parts, p_KE, n_K, hold, &q);
+    if (parts->empty() || !e.scenario.preflight.arm) return path;
+    std::vector<PlacedStroke> strokes = strokes_of(e, *parts);
     for (std::size_t i = 0; i < strokes.size(); ++i) strokes[i].number = static_cast<int>(i);
     const std::vector<Finding> barred =
         check_transitions(path, strokes, e.belief.arm, e.belief.obstacle.get(), q, checks);
     if (barred.empty()) return path;
     for (const Finding& f : barred) {
-      const StrokePart& stroke = parts[static_cast<std::size_t>(f.part.stroke)];
+      const StrokePart& stroke = (*parts)[static_cast<std::size_t>(f.part.stroke)];
       if (f.way == WayEnd::none)
         blocked->add_unreached({stroke.stroke, f.part.from, f.part.to});
       else
         blocked->add_stroke(stroke);
     }
+    std::vector<StrokePart> done = rest_of(e.plan.strokes, *parts);
+    done.insert(done.end(), blocked->parts().begin(), blocked->parts().end());
+    *parts = rest_of(e.plan.strokes, done, shortest_gap(e));
   }
 }
 

@@ -91,8 +91,8 @@ std::vector<StrokePart> remaining(const Experiment& experiment, const InkWatch& 
                                   const std::vector<StrokePart>& given_up = {});
 
 // A path for the parts, from the tip's pose in K: at p_KE, with the normal n_K. `hold`: time before
-// the first motion [s]; q: the posture, for a led heading, else that of the start. Throws
-// OffSurface where the surface has ended.
+// the first motion [s]; q: the posture, for a led heading, else that of the start. Its ways are as
+// high as those of the whole plan. Throws OffSurface where the surface has ended.
 TipPath path_for(const Experiment& experiment, const std::vector<StrokePart>& parts,
                  const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold,
                  const JointVector* q = nullptr);
@@ -119,10 +119,10 @@ TipPath path_without_misses(const Experiment& experiment, std::vector<StrokePart
                             const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold,
                             const JointVector* q = nullptr);
 
-// A path for what remains, from the posture q with the tip at X_KE. Its ways are others than those
-// that were checked before the run: a stroke that they cannot reach is blocked, too. Nothing: no
-// part remains.
-std::optional<TipPath> path_around(const Experiment& experiment, const JointVector& q,
-                                   const Pose& X_KE, const InkWatch& ink, BlockedPlaces* blocked);
+// path_without_misses(), of which the arm reaches every way: they are others than those that were
+// checked before the run. What they cannot reach is taken out of the parts, and blocked.
+TipPath checked_path(const Experiment& experiment, std::vector<StrokePart>* parts,
+                     const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double hold,
+                     const JointVector& q, BlockedPlaces* blocked);
 
 }  // namespace impedraw

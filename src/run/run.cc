@@ -39,9 +39,10 @@ std::unique_ptr<DrawingTask> drawing_of(const Experiment& e, const Driver& drive
     return std::make_unique<TouchedDrawing>(e, resumption ? strokes_of(e, left) : e.plan.strokes);
   if (!resumption) return std::make_unique<StandingDrawing>(e, e.plan.path);
   const Pose X_WE = ArmModel(e.belief.arm).tip_pose(resumption->q);
-  return std::make_unique<StandingDrawing>(
-      e, path_without_misses(e, &left, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold,
-                             &resumption->q));
+  BlockedPlaces blocked;
+  TipPath path = checked_path(e, &left, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold,
+                              resumption->q, &blocked);
+  return std::make_unique<StandingDrawing>(e, std::move(path), std::move(blocked));
 }
 
 // The pen that is in at first: the one that draws first, or drew last.

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canvas/mesh_files.h"
 #include "impedraw/run/drawings.h"
 #include "impedraw/run/remaining.h"
 #include "run/prepared.h"
@@ -67,6 +68,46 @@ TEST(StandingDrawing, DrawsAGapOnceMore) {
   ASSERT_EQ(drawing.record().drawn_again.size(), 1u);
   EXPECT_NEAR(drawing.record().drawn_again[0].from, 0.3 * length, 1e-12);
   EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::end) << "once";
+}
+
+// A gap that lies low may be behind a height that the first pass went over.
+TEST(StandingDrawing, GoesToAGapAsHighAsTheFirstPassWent) {
+  Experiment e = prepared("bowl-sine");
+  StandingDrawing drawing(e, e.plan.path);
+  MadeUpPen pen(e);
+  drawing.next(pen.now());
+  const double length = plane_length(e.plan.strokes[0]);
+  pen.inks(0, 0.0, 0.49 * length);
+  pen.inks(0, 0.51 * length, length);
+  pen.pen.X_WE = Pose{e.plan.path.at(e.plan.path.duration()).reference.p_WD, pen.pen.X_WE.R};
+  const Move move = drawing.next(pen.now());
+  ASSERT_EQ(move.kind, Move::Kind::draw);
+  const auto highest = [&](const TipPath& path) {
+    double z = -1.0;
+    for (double t = 0.5 * path.duration(); t <= path.duration(); t += 1e-2)
+      z = std::max(z, path.at(t).reference.p_WD.z());
+    return z;
+  };
+  EXPECT_GT(highest(move.path), highest(e.plan.path) - 1e-3);
+}
+
+// What came to lie over the gap, as far as the plan knows, bars the way there.
+TEST(StandingDrawing, LeavesAGapToWhichNoWayLeads) {
+  Experiment e = prepared("bowl-sine");
+  StandingDrawing drawing(e, e.plan.path);
+  MadeUpPen pen(e);
+  drawing.next(pen.now());
+  const PlacedStroke& stroke = e.plan.strokes[0];
+  const double length = plane_length(stroke);
+  pen.inks(0, 0.0, 0.49 * length);
+  pen.inks(0, 0.51 * length, length);
+  const Eigen::Vector2d middle = place_on(stroke, 0.5 * length).p_P;
+  TriangleMesh block = box(0.04, 0.04, 0.1);
+  const Eigen::Vector3d p = e.artwork.X_WP * e.surface()(middle.x(), middle.y())->p_P;
+  for (Eigen::Vector3d& v : block.vertices) v += p - Eigen::Vector3d(0.02, 0.02, 0.0);
+  e.belief.obstacle = std::make_shared<const Canvas>(block);
+  EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::end);
+  EXPECT_FALSE(drawing.record().walls.empty());
 }
 
 TEST(StandingDrawing, GoesOnBehindABlockedPlaceAndDoesNotDrawItAgain) {

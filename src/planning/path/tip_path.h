@@ -101,6 +101,7 @@ struct PathParts {
   std::vector<double> pauses;            // as in TipPath [s]
   SpeedSpan approaches, travels, turns;  // limits of moves, of other moves, and of turns
   double smoothing_time = 0;             // of moves, turns and spins [s]
+  double highest = 0;                    // place of the surface that the ways pass over, in P [m]
   double duration = 0;                   // of all legs [s]
 
   PathMove move(const PathLeg& leg) const {
@@ -124,6 +125,8 @@ class TipPath {
   // Allocates nothing. t is clamped to [0, duration].
   PathSample at(double t) const noexcept;
 
+  // PathSettings::highest_z, as it was planned with [m].
+  double highest_z() const noexcept { return parts_.highest; }
   // When the run waits until it is told to go on: the pen is up and at rest then [s].
   const std::vector<double>& pauses() const noexcept { return parts_.pauses; }
   const std::vector<StrokeTimes>& strokes() const noexcept { return strokes_; }

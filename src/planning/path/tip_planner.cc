@@ -47,7 +47,8 @@ class Planner {
 
   TipPath plan(const std::vector<PlacedStroke>& placed, std::vector<FittedStroke> strokes,
                std::vector<ForceProfile> forces) {
-    safe_z_ = s_.highest_z.value_or(highest(strokes)) + s_.safe_height;
+    parts_.highest = s_.highest_z.value_or(highest(strokes));
+    safe_z_ = parts_.highest + s_.safe_height;
     constexpr std::size_t kLegs = 9, kPoints = 7, kNormals = 5;  // of a stroke, at most, mostly
     parts_.legs.reserve(kLegs * strokes.size() + 1);
     parts_.points.reserve(kPoints * strokes.size() + 1);
