@@ -174,4 +174,5 @@ def main():
         plt.imsave(sys.argv[5], (surface.known + 1.0 * swept(surface, stands) + swept(surface, reached & stands))[::-1])
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -149,11 +149,11 @@ void lay_lines(const Scenario& s, CoverPlan* cover) {
   plan.lines = cover_lines(plan.grid, plan.centres, plan.wish);
   const auto promised = [&] { return swept(plan.grid, plan.lines.passes, radius - kAstray); };
   const std::vector<char> inner = inside_by(plan.grid, promised(), radius);
-  even_lines(plan.grid, plan.centres.clearance, radius, inner, plan.lines.edges,
+  even_lines(plan.grid, plan.centres.clearance, plan.wish.footprint, inner, plan.lines.edges,
              &plan.lines.passes);
   for (auto& pass : plan.lines.passes) pass = rounded(pass, kExact);
   plan.promised_area = area_of(plan.grid, promised());
-  plan.forces = even_forces(plan.grid, plan.lines.passes, radius, inner, kForceChange);
+  plan.forces = even_forces(plan.grid, plan.lines.passes, plan.wish.footprint, inner, kForceChange);
   for (auto& pass : plan.forces)
     for (double& f : pass) f *= s.control.normal_force;
   plan.notes.clear();

@@ -65,24 +65,14 @@ Line smoothed(Line line) {
   return line;
 }
 
-// Share of the footprint's places that touch, when its plane is that of the surface under it.
+// Share of the footprint's places that touch.
 double touching(const SurfaceGrid& g, std::size_t centre, const Footprint& foot) {
-  const Eigen::Vector3d c = g.point(centre);
-  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  around(g, c, foot.radius, [&](std::size_t v) {
-    const Eigen::Vector3d d = g.point(v) - c, x(1.0, d.x(), d.y());
-    A += x * x.transpose();
-    b += d.z() * x;
-  });
-  const Eigen::Vector3d plane = A.ldlt().solve(b);
-  const double along_normal = 1.0 / std::sqrt(1.0 + plane.tail<2>().squaredNorm());
+  const PressedFoot pressed(g, g.point(centre), foot);
   int all = 0, touch = 0;
-  around(g, c, foot.radius, [&](std::size_t v) {
-    const Eigen::Vector3d d = g.point(v) - c;
-    const double h = (d.z() - plane.dot(Eigen::Vector3d(1.0, d.x(), d.y()))) * along_normal;
+  around(g, g.point(centre), foot.radius, [&](std::size_t v) {
+    const double depth = pressed.depth(g.point(v));
     ++all;
-    touch += foot.compression + h > 0.0 && foot.compression + h < foot.thickness;
+    touch += depth > 0.0 && depth < foot.thickness;
   });
   return all > 0 ? static_cast<double>(touch) / all : 0.0;
 }
@@ -200,6 +190,22 @@ void start_within(const SurfaceGrid& g, const std::vector<double>& field, Line* 
 }
 
 }  // namespace
+
+PressedFoot::PressedFoot(const SurfaceGrid& g, const Eigen::Vector3d& centre, const Footprint& foot)
+    : centre_(centre), compression_(foot.compression) {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  around(g, centre, foot.radius, [&](std::size_t v) {
+    const Eigen::Vector3d d = g.point(v) - centre, x(1.0, d.x(), d.y());
+    A += x * x.transpose();
+    b += d.z() * x;
+  });
+  plane_ = A.ldlt().solve(b);
+  along_normal_ = 1.0 / std::sqrt(1.0 + plane_.tail<2>().squaredNorm());
+  double sum = 0.0;
+  around(g, centre, foot.radius, [&](std::size_t v) { sum += std::max(0.0, depth(g.point(v))); });
+  if (sum > 0.0) mean_ = sum / A(0, 0);
+}
 
 Centres footprint_centres(const SurfaceGrid& g, const CoverWish& wish) {
   Centres c;

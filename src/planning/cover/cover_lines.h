@@ -11,6 +11,7 @@
 // Rounded   a polyline has its bend in its corners, where the path would have to slow down
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,6 +35,23 @@ struct CoverWish {
 };
 
 inline constexpr double kTouching = 0.98;
+
+// A footprint's foam on the surface, pressed by a disc whose plane is that of the places under it.
+class PressedFoot {
+ public:
+  PressedFoot(const SurfaceGrid& grid, const Eigen::Vector3d& centre, const Footprint& foot);
+  // δ + h: < 0 where the foam does not touch [m].
+  double depth(const Eigen::Vector3d& p) const {
+    const Eigen::Vector3d d = p - centre_;
+    return compression_ + (d.z() - plane_.dot(Eigen::Vector3d(1.0, d.x(), d.y()))) * along_normal_;
+  }
+  // Over the mean under the disc.
+  double pressure(const Eigen::Vector3d& p) const { return std::max(0.0, depth(p)) / mean_; }
+
+ private:
+  Eigen::Vector3d centre_, plane_;
+  double compression_, along_normal_, mean_ = 1.0;
+};
 
 // The vertices on which the footprint may be centred.
 struct Centres {

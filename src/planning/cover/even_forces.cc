@@ -10,14 +10,16 @@ namespace {
 
 constexpr int kRounds = 40, kSmoothings = 2;
 
-// The way on which the footprint holds each place, of one segment of a line.
+// The way on which the footprint holds each place, times its pressure there, of one segment of a
+// line.
 struct Segment {
   double way;  // [m]
   std::vector<std::pair<std::uint32_t, double>> places;
 };
 
 // The segments of all lines, and one more for each line's last point.
-std::vector<Segment> segments_of(const SurfaceGrid& g, const PlaneLines& lines, double radius) {
+std::vector<Segment> segments_of(const SurfaceGrid& g, const PlaneLines& lines,
+                                 const Footprint& foot) {
   std::vector<Segment> segments;
   for (const auto& line : lines)
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -27,13 +29,16 @@ std::vector<Segment> segments_of(const SurfaceGrid& g, const PlaneLines& lines, 
       s.way = d.norm();
       if (!(s.way > 0.0)) continue;
       const Eigen::Vector3d u = d / s.way;
+      const PressedFoot pressed(g, a + 0.5 * d, foot);
+      const double radius = foot.radius;
       around(g, a + 0.5 * d, radius + 0.5 * s.way, [&](std::size_t v) {
         const Eigen::Vector3d q = g.point(v) - a;
-        const double foot = q.dot(u), half2 = radius * radius - q.squaredNorm() + foot * foot;
+        const double middle = q.dot(u), half2 = radius * radius - q.squaredNorm() + middle * middle;
         if (!(half2 > 0.0)) return;
         const double half = std::sqrt(half2);
-        const double held = std::min(s.way, foot + half) - std::max(0.0, foot - half);
-        if (held > 0.0) s.places.emplace_back(static_cast<std::uint32_t>(v), held);
+        const double held = std::min(s.way, middle + half) - std::max(0.0, middle - half);
+        if (held > 0.0)
+          s.places.emplace_back(static_cast<std::uint32_t>(v), held * pressed.pressure(g.point(v)));
       });
     }
   return segments;
@@ -50,9 +55,9 @@ std::vector<double> dose_of(const SurfaceGrid& g, const std::vector<Segment>& se
 
 }  // namespace
 
-std::vector<double> dose_of(const SurfaceGrid& g, const PlaneLines& lines, double radius,
+std::vector<double> dose_of(const SurfaceGrid& g, const PlaneLines& lines, const Footprint& foot,
                             const std::vector<std::vector<double>>& forces) {
-  const std::vector<Segment> segments = segments_of(g, lines, radius);
+  const std::vector<Segment> segments = segments_of(g, lines, foot);
   std::vector<double> force;
   for (const auto& line : forces) force.insert(force.end(), line.begin(), line.end());
   force.resize(segments.size(), 1.0);
@@ -60,9 +65,9 @@ std::vector<double> dose_of(const SurfaceGrid& g, const PlaneLines& lines, doubl
 }
 
 std::vector<std::vector<double>> even_forces(const SurfaceGrid& g, const PlaneLines& lines,
-                                             double radius, const std::vector<char>& places,
+                                             const Footprint& foot, const std::vector<char>& places,
                                              double most) {
-  const std::vector<Segment> segments = segments_of(g, lines, radius);
+  const std::vector<Segment> segments = segments_of(g, lines, foot);
   std::vector<double> force(segments.size(), 1.0);
   double mean = 0.0, area = 0.0;
   for (int round = 0; round < kRounds; ++round) {
@@ -74,7 +79,7 @@ std::vector<std::vector<double>> even_forces(const SurfaceGrid& g, const PlaneLi
     for (std::size_t k = 0; k < segments.size(); ++k) {
       double sum = 0.0, n = 0.0;
       for (const auto& [v, way] : segments[k].places)
-        if (places[v]) sum += way * mean / area / dose[v], n += way;
+        if (places[v] && dose[v] > 0.0) sum += way * mean / area / dose[v], n += way;
       if (n > 0.0) force[k] = std::clamp(force[k] * sum / n, 1.0 - most, 1.0 + most);
     }
     std::size_t first = 0;

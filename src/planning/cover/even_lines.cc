@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -14,25 +13,25 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Line = std::vector<Vector2d>;
 
-constexpr int kRounds = 60, kRim = 24, kSmoothings = 6;
+constexpr int kRounds = 60, kSmoothings = 6;
 constexpr double kMost = 1e-3, kLeast = 2e-5, kFirst = 0.5e-3;  // of a round's moves [m]
 
 struct Unevenness {
-  std::vector<double> e, e_area;  // of each vertex: e, e dA
+  std::vector<double> e_area;  // of each vertex: e dA
   double rms = 0.0;
 };
 
 Unevenness unevenness(const SurfaceGrid& g, const std::vector<double>& area,
                       const std::vector<double>& dose) {
-  Unevenness u{std::vector<double>(g.size()), std::vector<double>(g.size()), 0.0};
+  Unevenness u{std::vector<double>(g.size()), 0.0};
   double whole = 0.0, sum = 0.0, squares = 0.0;
   for (std::size_t v = 0; v < g.size(); ++v) whole += area[v], sum += area[v] * dose[v];
   if (!(sum > 0.0)) return u;
   for (std::size_t v = 0; v < g.size(); ++v) {
     if (!(area[v] > 0.0)) continue;
-    u.e[v] = dose[v] * whole / sum - 1.0;
-    u.e_area[v] = u.e[v] * area[v];
-    squares += u.e[v] * u.e_area[v];
+    const double e = dose[v] * whole / sum - 1.0;
+    u.e_area[v] = e * area[v];
+    squares += e * u.e_area[v];
   }
   u.rms = std::sqrt(squares / whole);
   return u;
@@ -45,40 +44,51 @@ Vector2d gradient(const SurfaceGrid& g, const std::vector<double>& field, const 
          (2.0 * g.step);
 }
 
-// ∮ e t ds over the footprint's rim, in the plane.
-Vector2d rim_pull(const SurfaceGrid& g, const Unevenness& u, const Vector2d& p, double radius) {
+// ∫ e p dA under a footprint on p, whose rim is as wide as the grid's step.
+double under(const SurfaceGrid& g, const Unevenness& u, const Vector2d& p, const Footprint& foot) {
+  const Vector3d centre = g.lifted(p);
+  const PressedFoot pressed(g, centre, foot);
+  double sum = 0.0;
+  around(g, centre, foot.radius + 0.5 * g.step, [&](std::size_t v) {
+    if (u.e_area[v] == 0.0) return;
+    const Vector3d q = g.point(v);
+    const double inside = (foot.radius - (q - centre).norm()) / g.step + 0.5;
+    sum += std::min(inside, 1.0) * u.e_area[v] * pressed.pressure(q);
+  });
+  return sum;
+}
+
+// Its gradient along the surface, in the plane.
+Vector2d pull(const SurfaceGrid& g, const Unevenness& u, const Vector2d& p, const Footprint& foot) {
   const Vector2d slope = gradient(g, g.z, p);
   const Vector3d a = Vector3d(1.0, 0.0, slope.x()).normalized(),
                  b = Vector3d(-slope.x(), -slope.y(), 1.0).normalized().cross(a);
-  Vector3d pull = Vector3d::Zero();
-  for (int k = 0; k < kRim; ++k) {
-    const double angle = 2.0 * std::numbers::pi * k / kRim;
-    const Vector3d t = std::cos(angle) * a + std::sin(angle) * b;
-    pull += g.sample(u.e, p + radius * t.head<2>()) * t;
+  Vector2d sum = Vector2d::Zero();
+  for (const Vector3d& t : {a, b}) {
+    const Vector2d by = g.step * t.head<2>();
+    sum += (under(g, u, p + by, foot) - under(g, u, p - by, foot)) / (2.0 * g.step) * t.head<2>();
   }
-  return 2.0 * std::numbers::pi * radius / kRim * pull.head<2>();
+  return sum;
 }
 
 // The motion of each knot, per way at it, uphill on E.
-Line uphill(const SurfaceGrid& g, const Unevenness& u, const Line& line, double radius) {
+Line uphill(const SurfaceGrid& g, const Unevenness& u, const Line& line, const Footprint& foot) {
   const std::size_t n = line.size();
   const bool closed = is_closed(line);
   Line way(n, Vector2d::Zero());
-  std::vector<double> under(n, 0.0), along(n, 1e-4);
-  for (std::size_t i = 0; i < n; ++i)
-    around(g, g.lifted(line[i]), radius, [&](std::size_t v) { under[i] += u.e_area[v]; });
+  std::vector<double> m(n), along(n, 1e-4);
+  for (std::size_t i = 0; i < n; ++i) m[i] = under(g, u, line[i], foot);
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const double length = (g.lifted(line[i + 1]) - g.lifted(line[i])).norm();
     along[i] += 0.5 * length, along[i + 1] += 0.5 * length;
-    const Vector2d longer =
-        0.5 * (under[i] + under[i + 1]) * (line[i + 1] - line[i]).stableNormalized();
+    const Vector2d longer = 0.5 * (m[i] + m[i + 1]) * (line[i + 1] - line[i]).stableNormalized();
     way[i] -= longer, way[i + 1] += longer;
   }
   if (closed) {
     way.front() = way.back() = way.front() + way.back();
     along.front() = along.back() = along.front() + along.back();
   }
-  for (std::size_t i = 0; i < n; ++i) way[i] = way[i] / along[i] + rim_pull(g, u, line[i], radius);
+  for (std::size_t i = 0; i < n; ++i) way[i] = way[i] / along[i] + pull(g, u, line[i], foot);
   for (int k = 0; k < kSmoothings; ++k) {
     Line next = way;
     for (std::size_t i = 1; i + 1 < n; ++i)
@@ -102,17 +112,17 @@ Vector2d onto_centres(const SurfaceGrid& g, const std::vector<double>& clearance
 
 }  // namespace
 
-void even_lines(const SurfaceGrid& g, const std::vector<double>& clearance, double radius,
+void even_lines(const SurfaceGrid& g, const std::vector<double>& clearance, const Footprint& foot,
                 const std::vector<char>& places, std::size_t fixed, PlaneLines* lines) {
   std::vector<double> area(g.size());
   for (std::size_t v = 0; v < g.size(); ++v) area[v] = places[v] ? g.area(v) : 0.0;
-  Unevenness u = unevenness(g, area, dose_of(g, *lines, radius));
+  Unevenness u = unevenness(g, area, dose_of(g, *lines, foot));
   double most = kFirst;
   for (int round = 0; round < kRounds && most > kLeast; ++round) {
     PlaneLines ways(lines->size());
     double largest = 0.0;
     for (std::size_t l = fixed; l < lines->size(); ++l) {
-      ways[l] = uphill(g, u, (*lines)[l], radius);
+      ways[l] = uphill(g, u, (*lines)[l], foot);
       for (const Vector2d& way : ways[l]) largest = std::max(largest, way.norm());
     }
     if (!(largest > 0.0)) return;
@@ -122,7 +132,7 @@ void even_lines(const SurfaceGrid& g, const std::vector<double>& clearance, doub
         const Vector2d& p = (*lines)[l][i];
         moved[l][i] = onto_centres(g, clearance, p - most / largest * ways[l][i], p);
       }
-    Unevenness after = unevenness(g, area, dose_of(g, moved, radius));
+    Unevenness after = unevenness(g, area, dose_of(g, moved, foot));
     if (after.rms < u.rms) {
       u = std::move(after);
       *lines = std::move(moved);

@@ -144,6 +144,18 @@ TEST(CoverLines, RoundedBendsEvenly) {
   EXPECT_LT((open.back() - circle.back()).norm(), 1e-12);
 }
 
+// A disc of radius r that presses foam by δ on a sphere of radius R: p/p̄ = 1 + (r²/2 − d²)/(2 R δ).
+TEST(PressedFoot, PressesMostInTheMiddleOfADome) {
+  const SurfaceGrid g = grid_of(dome());
+  const Footprint foot{0.015, 3.5e-3, 0.01};
+  const Eigen::Vector3d top = g.lifted({0.0, 0.0});
+  const PressedFoot pressed(g, top, foot);
+  for (const double d : {0.0, 0.005, 0.010, 0.014})
+    EXPECT_NEAR(pressed.pressure(g.lifted({d, 0.0})),
+                1.0 + (0.5 * 0.015 * 0.015 - d * d) / (2.0 * kRadius * 3.5e-3), 5e-3)
+        << d;
+}
+
 // What evening leaves of a line has a bend at each of its points, where the path would slow down.
 TEST(CoverLines, LetThePathKeepItsSpeed) {
   const SurfaceHeight height = dome();
@@ -153,7 +165,7 @@ TEST(CoverLines, LetThePathKeepItsSpeed) {
   const Centres c = footprint_centres(g, w);
   CoverLines lines = cover_lines(g, c, w);
   const double radius = w.footprint.radius;
-  even_lines(g, c.clearance, radius, inside_by(g, swept(g, lines.passes, radius), radius),
+  even_lines(g, c.clearance, w.footprint, inside_by(g, swept(g, lines.passes, radius), radius),
              lines.edges, &lines.passes);
   const auto mean_speed = [&](bool round) {
     PathSettings settings;

@@ -14,6 +14,7 @@ namespace impedraw {
 namespace {
 
 constexpr double kPad = 0.015, kSide = 0.08;  // [m]
+constexpr Footprint kFoot{kPad, 3.5e-3, 0.01};
 
 SurfaceGrid plane() {
   return sample_surface(
@@ -42,7 +43,7 @@ PlaneLines rows(double spacing) {
 
 TEST(DoseOf, IsTheChordOfTheDisc) {
   const SurfaceGrid g = plane();
-  const std::vector<double> dose = dose_of(g, {rows(1.0)[0]}, kPad);
+  const std::vector<double> dose = dose_of(g, {rows(1.0)[0]}, kFoot);
   for (std::size_t v = 0; v < g.size(); ++v) {
     const Eigen::Vector2d p = g.plane(v);
     const double off = std::abs(p.y() + 0.06);
@@ -57,8 +58,8 @@ TEST(DoseOf, IsEvenInTheMiddleOfRowsAtTheZeroOfABesselFunction) {
   std::vector<char> middle(g.size());
   for (std::size_t v = 0; v < g.size(); ++v)
     middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kPad;
-  EXPECT_LT(cv(g, dose_of(g, rows(kPad / 1.62), kPad), middle), 0.04);
-  EXPECT_GT(cv(g, dose_of(g, rows(kPad / 0.8), kPad), middle), 0.1);
+  EXPECT_LT(cv(g, dose_of(g, rows(kPad / 1.62), kFoot), middle), 0.04);
+  EXPECT_GT(cv(g, dose_of(g, rows(kPad / 0.8), kFoot), middle), 0.1);
 }
 
 TEST(EvenForces, MakeTheDoseMoreEvenWithinTheirLimits) {
@@ -69,9 +70,9 @@ TEST(EvenForces, MakeTheDoseMoreEvenWithinTheirLimits) {
   const Centres centres = footprint_centres(g, wish);
   const CoverLines lines = cover_lines(g, centres, wish);
   const std::vector<char> places = inside_by(g, swept(g, lines.passes, kPad - 5e-4), kPad);
-  const auto forces = even_forces(g, lines.passes, kPad, places, 0.1);
-  const double even = cv(g, dose_of(g, lines.passes, kPad), places);
-  EXPECT_LT(cv(g, dose_of(g, lines.passes, kPad, forces), places), 0.95 * even);
+  const auto forces = even_forces(g, lines.passes, kFoot, places, 0.1);
+  const double even = cv(g, dose_of(g, lines.passes, kFoot), places);
+  EXPECT_LT(cv(g, dose_of(g, lines.passes, kFoot, forces), places), 0.95 * even);
   double n = 0.0, sum = 0.0;
   ASSERT_EQ(forces.size(), lines.passes.size());
   for (std::size_t l = 0; l < forces.size(); ++l) {
@@ -109,10 +110,10 @@ TEST(EvenLines, MakeTheDoseEvenToTheBorder) {
   for (const auto& [spacing, limit] : {std::pair{0.0057, 0.058}, {0.0093, 0.069}}) {
     Covered c(spacing);
     const PlaneLines before = c.lines.passes;
-    even_lines(c.g, c.centres.clearance, kPad, c.inner, c.lines.edges, &c.lines.passes);
-    const double even = cv(c.g, dose_of(c.g, c.lines.passes, kPad), c.inner);
+    even_lines(c.g, c.centres.clearance, kFoot, c.inner, c.lines.edges, &c.lines.passes);
+    const double even = cv(c.g, dose_of(c.g, c.lines.passes, kFoot), c.inner);
     EXPECT_LT(even, limit) << spacing;
-    EXPECT_LT(even, 0.9 * cv(c.g, dose_of(c.g, before, kPad), c.inner)) << spacing;
+    EXPECT_LT(even, 0.9 * cv(c.g, dose_of(c.g, before, kFoot), c.inner)) << spacing;
     ASSERT_GE(c.lines.edges, 1U);
     for (std::size_t l = 0; l < c.lines.edges; ++l) EXPECT_EQ(c.lines.passes[l], before[l]);
     for (const auto& pass : c.lines.passes)
@@ -133,7 +134,7 @@ TEST(EvenLines, MoveRowsToTheirPlaces) {
   const std::size_t k = lines.size() / 2;
   const double own = lines[k].front().y();
   for (Eigen::Vector2d& p : lines[k]) p.y() += 0.25 * spacing;
-  even_lines(g, std::vector<double>(g.size(), 1.0), kPad, middle, 0, &lines);
+  even_lines(g, std::vector<double>(g.size(), 1.0), kFoot, middle, 0, &lines);
   EXPECT_NEAR(lines[k][lines[k].size() / 2].y(), own, 0.12 * spacing);
 }
 
@@ -141,10 +142,10 @@ TEST(EvenLines, AreLeftWhereNothingIsToBeEven) {
   const SurfaceGrid g = plane();
   PlaneLines lines = rows(kPad);
   const PlaneLines before = lines;
-  even_lines(g, std::vector<double>(g.size(), 1.0), kPad, std::vector<char>(g.size()), 0, &lines);
+  even_lines(g, std::vector<double>(g.size(), 1.0), kFoot, std::vector<char>(g.size()), 0, &lines);
   EXPECT_EQ(lines, before);
   PlaneLines none;
-  even_lines(g, std::vector<double>(g.size(), 1.0), kPad, std::vector<char>(g.size()), 0, &none);
+  even_lines(g, std::vector<double>(g.size(), 1.0), kFoot, std::vector<char>(g.size()), 0, &none);
   EXPECT_TRUE(none.empty());
 }
 
