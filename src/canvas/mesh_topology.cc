@@ -16,16 +16,21 @@ namespace {
 
 // For each vertex, the first one at the same position.
 std::vector<int> merge_vertices(const std::vector<Eigen::Vector3d>& vertices) {
+  constexpr std::size_t kAhead = 16;  // a large mesh's slots are not in the cache
   std::vector<int> first(vertices.size()), slots(std::bit_ceil(2 * vertices.size()), -1);
-  for (int v = 0; v < static_cast<int>(vertices.size()); ++v) {
+  const auto slot_of = [&](std::size_t v) {
     std::uint64_t hash = 0;
     for (const double x : vertices[v]) {
       hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9E3779B97F4A7C15u;  // −0 is 0
       hash ^= hash >> 32;
     }
-    std::size_t i = hash & (slots.size() - 1);
+    return hash & (slots.size() - 1);
+  };
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    if (v + kAhead < vertices.size()) __builtin_prefetch(&slots[slot_of(v + kAhead)]);
+    std::size_t i = slot_of(v);
     while (slots[i] >= 0 && vertices[slots[i]] != vertices[v]) i = (i + 1) & (slots.size() - 1);
-    if (slots[i] < 0) slots[i] = v;
+    if (slots[i] < 0) slots[i] = static_cast<int>(v);
     first[v] = slots[i];
   }
   return first;
@@ -88,36 +93,48 @@ void pass_over_folds(MeshTopology& topology) {
   for (MeshTopology::Face* fold : folds) fold->normal.setZero();
 }
 
+Eigen::Vector3d twice_area_vector(const MeshTopology::Face& face) {
+  return (face.corner[1] - face.corner[0]).cross(face.corner[2] - face.corner[0]);
+}
+
 bool is_crease(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   static const double cosine = std::cos(MeshTopology::kCrease);
   return !a.isZero(0.0) && !b.isZero(0.0) && a.dot(b) < cosine;
 }
 
-// One smooth normal for each side of a vertex on a crease. share: that of each corner's face,
-// weighted.
-void split_at_creases(const std::vector<Eigen::Vector3d>& share, MeshTopology& topology) {
-  DisjointSets sides(3 * topology.faces.size());  // corners of a vertex that no crease separates
+// What a face adds to the smooth normal of its corner i.
+Eigen::Vector3d smooth_share(const MeshTopology::Face& face, int i) {
+  if (face.normal.isZero(0.0)) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d u = face.corner[(i + 1) % 3] - face.corner[i];
+  const Eigen::Vector3d v = face.corner[(i + 2) % 3] - face.corner[i];
+  return twice_area_vector(face) / (u.squaredNorm() * v.squaredNorm());
+}
+
+// One smooth normal for each side of a vertex on a crease.
+void split_at_creases(MeshTopology& topology) {
   bool any = false;
-  for (std::size_t f = 0; f < topology.faces.size(); ++f) {
-    MeshTopology::Face& face = topology.faces[f];
+  for (MeshTopology::Face& face : topology.faces) {
     for (int i = 0; i < 3; ++i) {
       const int other = face.neighbour[i];
-      if (other < 0) continue;
-      const MeshTopology::Face& beyond = topology.faces[other];
-      const int a = face.vertex[i], b = face.vertex[(i + 1) % 3];
-      face.crease[i] = is_crease(face.normal, beyond.normal);
-      if (face.crease[i]) {
-        any = topology.on_crease[a] = topology.on_crease[b] = true;
-        continue;
-      }
-      for (int j = 0; j < 3; ++j) {
-        const int corner = 3 * other + j;
-        if (beyond.vertex[j] == a) sides.join(3 * static_cast<int>(f) + i, corner);
-        if (beyond.vertex[j] == b) sides.join(3 * static_cast<int>(f) + (i + 1) % 3, corner);
-      }
+      face.crease[i] = other >= 0 && is_crease(face.normal, topology.faces[other].normal);
+      if (face.crease[i])
+        any = topology.on_crease[face.vertex[i]] = topology.on_crease[face.vertex[(i + 1) % 3]] =
+            true;
     }
   }
   if (!any) return;
+  DisjointSets sides(3 * topology.faces.size());  // corners of a vertex that no crease separates
+  for (std::size_t f = 0; f < topology.faces.size(); ++f) {
+    const MeshTopology::Face& face = topology.faces[f];
+    for (int i = 0; i < 3; ++i) {
+      const int other = face.neighbour[i];
+      if (other < 0 || face.crease[i]) continue;
+      for (int j = 0; j < 3; ++j)
+        for (const int k : {i, (i + 1) % 3})
+          if (topology.faces[other].vertex[j] == face.vertex[k])
+            sides.join(3 * static_cast<int>(f) + k, 3 * other + j);
+    }
+  }
   std::vector<int> normal_of(3 * topology.faces.size(), -1);  // of each side
   for (std::size_t f = 0; f < topology.faces.size(); ++f) {
     MeshTopology::Face& face = topology.faces[f];
@@ -129,7 +146,7 @@ void split_at_creases(const std::vector<Eigen::Vector3d>& share, MeshTopology& t
         normal = static_cast<int>(topology.smooth_normal.size());
         topology.smooth_normal.push_back(Eigen::Vector3d::Zero());
       }
-      topology.smooth_normal[normal] += share[corner];
+      topology.smooth_normal[normal] += smooth_share(face, i);
       face.smooth[i] = normal;
     }
   }
@@ -169,12 +186,10 @@ MeshTopology make_topology(const TriangleMesh& mesh) {
   topology.side_normal = topology.smooth_normal;
   topology.on_boundary.assign(mesh.vertices.size(), false);
   topology.on_crease = topology.on_boundary;
-  std::vector<Eigen::Vector3d> share(3 * mesh.triangles.size(), Eigen::Vector3d::Zero());
   bool any_area = false;
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     auto& face = topology.faces[f];
     face.neighbour = {-1, -1, -1};
-    face.crease = {false, false, false};
     double longest = 0.0;
     for (int i = 0; i < 3; ++i) {
       face.vertex[i] = first[mesh.triangles[f][i]];
@@ -183,34 +198,28 @@ MeshTopology make_topology(const TriangleMesh& mesh) {
     }
     for (int i = 0; i < 3; ++i)
       longest = std::max(longest, (face.corner[(i + 1) % 3] - face.corner[i]).norm());
-    const Eigen::Vector3d cross =
-        (face.corner[1] - face.corner[0]).cross(face.corner[2] - face.corner[0]);
+    const Eigen::Vector3d cross = twice_area_vector(face);
     const double twice_area = cross.norm();
     const bool has_area = twice_area > 1e-12 * longest * longest && twice_area > 0.0;
     face.normal = has_area ? Eigen::Vector3d(cross / twice_area) : Eigen::Vector3d::Zero();
-    if (!has_area) continue;
-    any_area = true;
+    any_area = any_area || has_area;
   }
   if (!any_area)
     throw InputError(
         fmt::format("canvas mesh: none of its {} triangles has an area", mesh.triangles.size()));
   join_neighbours(topology);
   pass_over_folds(topology);
-  for (std::size_t f = 0; f < topology.faces.size(); ++f) {
-    const auto& face = topology.faces[f];
+  for (const MeshTopology::Face& face : topology.faces) {
     if (face.normal.isZero(0.0)) continue;
-    const Eigen::Vector3d cross =
-        (face.corner[1] - face.corner[0]).cross(face.corner[2] - face.corner[0]);
-    const double twice_area = cross.norm();
+    const double twice_area = twice_area_vector(face).norm();
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector3d u = face.corner[(i + 1) % 3] - face.corner[i];
       const Eigen::Vector3d v = face.corner[(i + 2) % 3] - face.corner[i];
-      share[3 * f + i] = cross / (u.squaredNorm() * v.squaredNorm());
-      topology.smooth_normal[face.vertex[i]] += share[3 * f + i];
+      topology.smooth_normal[face.vertex[i]] += smooth_share(face, i);
       topology.side_normal[face.vertex[i]] += std::atan2(twice_area, u.dot(v)) * face.normal;
     }
   }
-  split_at_creases(share, topology);
+  split_at_creases(topology);
   // A normal that cancels out (a fold) stays zero.
   for (auto& n : topology.smooth_normal) n.stableNormalize();
   for (auto& n : topology.side_normal) n.stableNormalize();
