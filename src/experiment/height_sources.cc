@@ -13,41 +13,32 @@
 #include <utility>
 #include <vector>
 
-#include <nanoflann.hpp>
-
 namespace impedraw {
 namespace {
 
 // The cloud in P, to find the point nearest to a line along z.
 class Columns {
  public:
-  Columns(const PointCloud& cloud, const Pose& X_PW) : tree_(2, *this) {
-    for (const Eigen::Vector3d& p_W : cloud.points) points_.push_back(X_PW * p_W);
-    tree_.buildIndex();
+  Columns(const PointCloud& cloud, const Pose& X_PW) {
+    for (const Eigen::Vector3d& p_W : cloud.points) {
+      points_.push_back(X_PW * p_W);
+      flat_.emplace_back(points_.back().x(), points_.back().y(), 0.0);
+    }
+    tree_.emplace(flat_);
   }
-  Columns(const Columns&) = delete;
 
+  const std::vector<Eigen::Vector3d>& points() const { return points_; }
   double height_at(double x, double y) const {
-    const double at[] = {x, y};
-    std::size_t nearest = 0;
+    constexpr double kAnywhere = 1e9;  // [m]
+    int nearest = 0;
     double squared = 0.0;
-    return tree_.knnSearch(at, 1, &nearest, &squared) == 1 ? points_[nearest].z() : 0.0;
-  }
-
-  std::size_t kdtree_get_point_count() const { return points_.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points_[i][static_cast<Eigen::Index>(axis)];
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
+    const int found = tree_->nearest({x, y, 0.0}, 1, kAnywhere, &nearest, &squared);
+    return found == 1 ? points_[static_cast<std::size_t>(nearest)].z() : 0.0;
   }
 
  private:
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Columns>,
-                                                   Columns, 2, std::size_t>;
-  std::vector<Eigen::Vector3d> points_;
-  Tree tree_;
+  std::vector<Eigen::Vector3d> points_, flat_;
+  std::optional<NeighbourTree> tree_;
 };
 
 // True if a height found at p says something of the one at (x, y).
@@ -100,13 +91,9 @@ constexpr double kOverhang = 0.012;
 // The highest point of the cloud over each cell of the drawing plane.
 class TopSheet {
  public:
-  TopSheet(const PointCloud& cloud, const Pose& X_PW) {
+  explicit TopSheet(const std::vector<Eigen::Vector3d>& points) {
     Eigen::AlignedBox2d box;
-    std::vector<Eigen::Vector3d> points;
-    for (const Eigen::Vector3d& p_W : cloud.points) {
-      points.push_back(X_PW * p_W);
-      box.extend(points.back().head<2>());
-    }
+    for (const Eigen::Vector3d& p : points) box.extend(p.head<2>());
     if (points.empty()) return;
     lower_ = box.min();
     nx_ = static_cast<int>(box.sizes().x() / kCell) + 1;
@@ -169,7 +156,7 @@ class CloudHeight {
         followed_(followed),
         X_WP_(X_WP),
         columns_(surface_->cloud(), X_WP.inverse()),
-        tops_(surface_->cloud(), X_WP.inverse()) {}
+        tops_(columns_.points()) {}
 
   SurfaceHeight::Sample operator()(double x, double y, SurfaceHeight::Sample& last) {
     constexpr double kNowhere = std::numeric_limits<double>::infinity();

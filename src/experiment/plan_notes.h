@@ -17,8 +17,8 @@ namespace impedraw {
 
 // A rough surface: a note, and the choice of the pen's axis where the scenario leaves it open.
 
-// Finer patches than the plan's are in use under the drawing: along over a tenth of it,
-// perception's normal is 0.02 rad off the plan's.
+// Finer patches than the plan's are in use under the drawing: at over a tenth of some 500 places
+// along it, perception's normal is 0.02 rad off the plan's.
 //
 // On a smooth surface the estimated normal is the better axis of the pen, also where a hand pushes
 // it off its line, and whatever pushes it aside is a hand. On a rough one the plan's smoothed
@@ -37,7 +37,7 @@ inline constexpr double kRoughFeltShare = 0.5;     // FeltNormalSettings
 // without noise, which has a residual, too.
 
 // The note, or nullopt on calm ground. `strokes` are in the drawing plane, `X_WP` its pose. Looks
-// at most at some 500 places.
+// at the same places.
 std::optional<std::string> roughness_note(const std::vector<PlacedStroke>& strokes,
                                           const SurfaceHeight& surface, const Pose& X_WP,
                                           const SurfaceEstimator& seen);

@@ -75,13 +75,16 @@ void turn_to_drawing(TriangleMesh* mesh, const Scenario& s, const Eigen::Vector3
 TriangleMesh seen_facets(const SurfaceEstimator& seen, double voxel) {
   constexpr double kApart = 5e-3, kApartHalf = 1e-2, kNearby = 0.025;  // [m]
   const double spacing = std::max(voxel, 0.004);                       // [m]
-  const PointCloud sparse = thin(seen.cloud(), spacing);
+  const bool is_sparse = voxel == spacing;
+  const PointCloud sparse = is_sparse ? seen.cloud() : thin(seen.cloud(), spacing);
   std::vector<SurfaceEstimate> estimates;
+  if (is_sparse)
+    estimates = seen.at_points();
+  else
+    for (const Eigen::Vector3d& p : sparse.points) estimates.push_back(seen.estimate(p));
   std::vector<Eigen::Vector3d> far;
-  for (const Eigen::Vector3d& p : sparse.points) {
-    estimates.push_back(seen.estimate(p));
-    if (std::abs(estimates.back().distance) > kApart) far.push_back(p);
-  }
+  for (std::size_t i = 0; i < estimates.size(); ++i)
+    if (std::abs(estimates[i].distance) > kApart) far.push_back(sparse.points[i]);
   TriangleMesh mesh;
   for (std::size_t i = 0; i < sparse.points.size(); ++i) {
     Eigen::Vector3d p = sparse.points[i];

@@ -64,10 +64,10 @@ PointCloud in_tree_order(const PointCloud& cloud, const NormalSettings& s) {
 CloudPatches::CloudPatches(PointCloud cloud, const NormalSettings& settings)
     : settings_(settings), cloud_(in_tree_order(cloud, settings)), tree_(cloud_.points) {}
 
-Patch CloudPatches::nearest(const Vector3d& p, int k) const noexcept {
+Patch CloudPatches::nearest(const Vector3d& p, int k, double guess2) const noexcept {
   Patch patch;
   patch.k = k;
-  patch.n = tree_.nearest(p, k, settings_.max_radius, patch.index, patch.squared);
+  patch.n = tree_.nearest(p, k, settings_.max_radius, patch.index, patch.squared, guess2);
   if (patch.n > 0) patch.closest = patch.index[0];
   return patch;
 }

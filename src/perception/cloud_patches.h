@@ -42,8 +42,8 @@ class CloudPatches {
   int size() const noexcept { return static_cast<int>(cloud_.points.size()); }
   void set_normals(std::vector<Eigen::Vector3d> normals) { cloud_.normals = std::move(normals); }
 
-  // The nearest first.
-  Patch nearest(const Eigen::Vector3d& p, int k) const noexcept;
+  // The nearest first. guess2: of Patch::reach2(), as of a point nearby.
+  Patch nearest(const Eigen::Vector3d& p, int k, double guess2 = 0.0) const noexcept;
   // The same points in any order but for the last, and faster. `reach2`: Patch::reach2() at each
   // point of the cloud.
   Patch gathered(const Eigen::Vector3d& p, int k, const std::vector<double>& reach2) const noexcept;

@@ -21,44 +21,50 @@ inline std::uint64_t cube_of(const Eigen::Vector3d& p, double side) noexcept {
   return number;
 }
 
-// Open addressing: a question reads one place, mostly. 0 is no member.
+// Open addressing over blocks of 4 × 4 × 4 cubes, each with a bit for each of its cubes: of a
+// surface's cubes, most share their block, and its place in memory, with the one before.
 class CubeSet {
  public:
-  explicit CubeSet(std::size_t expected = 0) {
-    while (places_.size() < 2 * expected) places_.resize(2 * places_.size());
+  bool contains(std::uint64_t cube) const noexcept {
+    return (places_[place_of(block_of(cube))].cubes & bit_of(cube)) != 0;
   }
-  bool contains(std::uint64_t cube) const noexcept { return places_[place_of(cube)] == cube; }
-  // For one who asks about the cube soon.
-  void prefetch(std::uint64_t cube) const noexcept { __builtin_prefetch(&places_[first_of(cube)]); }
   // True where the cube was no member yet.
   bool insert(std::uint64_t cube) {
-    std::uint64_t& place = places_[place_of(cube)];
-    if (place == cube) return false;
-    place = cube;
-    if (2 * ++size_ > places_.size()) grow();
+    Place& place = places_[place_of(block_of(cube))];
+    if ((place.cubes & bit_of(cube)) != 0) return false;
+    if (place.cubes == 0) ++size_;
+    place = {block_of(cube), place.cubes | bit_of(cube)};
+    if (2 * size_ > places_.size()) grow();
     return true;
   }
 
  private:
-  std::size_t first_of(std::uint64_t cube) const noexcept {
-    const std::uint64_t mixed = cube * 0x9e3779b97f4a7c15;
-    return (mixed ^ mixed >> 32) & (places_.size() - 1);
+  struct Place {
+    std::uint64_t block = 0, cubes = 0;  // no block has the number 0
+  };
+  static std::uint64_t block_of(std::uint64_t cube) noexcept {
+    return cube & ~(3ull | 3ull << 21 | 3ull << 42);
   }
-  // The slot that the cube has, or could be put into.
-  std::size_t place_of(std::uint64_t cube) const noexcept {
-    std::size_t at = first_of(cube);
-    while (places_[at] != 0 && places_[at] != cube) at = (at + 1) & (places_.size() - 1);
+  static std::uint64_t bit_of(std::uint64_t cube) noexcept {
+    return 1ull << ((cube & 3) | (cube >> 21 & 3) << 2 | (cube >> 42 & 3) << 4);
+  }
+  // The slot that the block has, or could be put into.
+  std::size_t place_of(std::uint64_t block) const noexcept {
+    const std::uint64_t mixed = block * 0x9e3779b97f4a7c15;
+    std::size_t at = (mixed ^ mixed >> 32) & (places_.size() - 1);
+    while (places_[at].cubes != 0 && places_[at].block != block)
+      at = (at + 1) & (places_.size() - 1);
     return at;
   }
   void grow() {
-    std::vector<std::uint64_t> old(2 * places_.size());
+    std::vector<Place> old(2 * places_.size());
     places_.swap(old);
-    for (const std::uint64_t cube : old)
-      if (cube != 0) places_[place_of(cube)] = cube;
+    for (const Place& place : old)
+      if (place.cubes != 0) places_[place_of(place.block)] = place;
   }
 
-  std::vector<std::uint64_t> places_ = std::vector<std::uint64_t>(64);
-  std::size_t size_ = 0;
+  std::vector<Place> places_ = std::vector<Place>(64);
+  std::size_t size_ = 0;  // blocks
 };
 
 }  // namespace impedraw

@@ -47,7 +47,6 @@ std::unique_ptr<const DetailLevels> DetailLevels::of(const CloudPatches& widest,
           {std::make_shared<const CloudPatches>(std::move(cloud), s), s.k, {}});
   if (!levels->any()) return nullptr;
   levels->finest_ = levels->finer_.back().patches;
-  levels->finest_cubes_ = CubeSet(levels->finest_->cloud().points.size());
   for (const Vector3d& p : levels->finest_->cloud().points)
     levels->finest_cubes_.insert(cube_of(p, kCube));
   const int fewest = std::max(kFewest, static_cast<int>(kFinestShare * s.k));
@@ -65,8 +64,9 @@ DetailLevels::Trial DetailLevels::trial_of(const LocalSurface& fit, int k, doubl
   return {true, residual, std::sqrt(radius2), 0.0, k};
 }
 
-DetailLevels::Trial DetailLevels::try_fit(const CloudPatches& patches, int k, const Vector3d& p) {
-  const Patch patch = patches.nearest(p, k);
+DetailLevels::Trial DetailLevels::try_fit(const CloudPatches& patches, int k, const Vector3d& p,
+                                          double guess2) {
+  const Patch patch = patches.nearest(p, k, guess2);
   Trial trial = trial_of(patches.fit(p, patch), k, patch.squared[k - 1], patches.settings());
   if (!trial.ok) return {};
   trial.weight = mean_weight(patches, patch);
@@ -178,7 +178,10 @@ float DetailLevels::choose_level(int i, const Trial& widest, Residuals* residual
   const Vector3d& p = widest_.cloud().points[i];
   std::vector<Trial> trials{widest};
   trials[0].weight = mean_weight(widest_, widest_.nearest(p, widest.k));
-  for (const Level& level : finer_) trials.push_back(try_fit(*level.patches, level.k, p));
+  const double per_point = widest.radius * widest.radius / widest.k * widest_.size();
+  for (const Level& level : finer_)
+    trials.push_back(
+        try_fit(*level.patches, level.k, p, per_point * level.k / level.patches->size()));
   while (!trials.back().ok) trials.pop_back();
   const Trial& finest = trials.back();
   residuals->finest = finest.residual;

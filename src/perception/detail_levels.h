@@ -68,7 +68,7 @@ class DetailLevels {
 
   explicit DetailLevels(const CloudPatches& widest) : widest_(widest) {}
   static Trial trial_of(const LocalSurface& fit, int k, double radius2, const NormalSettings& s);
-  static Trial try_fit(const CloudPatches& patches, int k, const Eigen::Vector3d& p);
+  static Trial try_fit(const CloudPatches& patches, int k, const Eigen::Vector3d& p, double guess2);
   void choose_levels(const std::vector<LocalSurface>& fits, const std::vector<double>& reach2);
   float choose_level(int i, const Trial& widest, Residuals* residuals);
   void spread(const std::vector<float>& best);

@@ -35,19 +35,22 @@ struct FirstLeaf {
   void sort() {}
 };
 
+// The points within a radius, in any order, until they are `most`.
 struct WithinReach {
   using DistanceType = double;
   using IndexType = int;
   double limit2;
-  int n = 0;
+  int most, n = 0;
   struct Item {
     double squared;
     int index;
+    bool operator<(const Item& other) const { return squared < other.squared; }
   } items[kMostGathered];
 
+  explicit WithinReach(double within2, int up_to = kMostGathered) : limit2(within2), most(up_to) {}
   bool addPoint(double d2, int i) {
     items[n++] = {d2, i};
-    return n < kMostGathered;
+    return n < most;
   }
   double worstDist() const { return limit2; }
   bool full() const { return true; }
@@ -77,19 +80,6 @@ struct Nearest {
   }
   double worstDist() const { return squared[capacity - 1]; }
   bool full() const { return n == capacity; }
-  void sort() {}
-};
-
-// Ends at the first point within the radius.
-struct Any {
-  using DistanceType = double;
-  using IndexType = int;
-  double limit2;
-  bool found = false;
-
-  bool addPoint(double, int) { return !(found = true); }
-  double worstDist() const { return limit2; }
-  bool full() const { return found; }
   void sort() {}
 };
 
@@ -131,18 +121,33 @@ NeighbourTree::NeighbourTree(const std::vector<Vector3d>& points)
     : tree_(std::make_unique<const Tree>(points)) {}
 NeighbourTree::~NeighbourTree() = default;
 
-int NeighbourTree::nearest(const Vector3d& p, int k, double max_radius, int* index,
-                           double* squared) const noexcept {
+int NeighbourTree::nearest(const Vector3d& p, int k, double max_radius, int* index, double* squared,
+                           double guess2, bool sorted) const noexcept {
+  if (guess2 > 0.0) {
+    WithinReach found(std::min(max_radius * max_radius, kGuessMargin * guess2));
+    tree_->kd.findNeighbors(found, p.data(), {});
+    if (found.n >= k && found.n < kMostGathered) {
+      if (sorted)
+        std::partial_sort(found.items, found.items + k, found.items + found.n);
+      else
+        std::nth_element(found.items, found.items + k - 1, found.items + found.n);
+      for (int i = 0; i < k; ++i) {
+        index[i] = found.items[i].index;
+        squared[i] = found.items[i].squared;
+      }
+      return k;
+    }
+  }
   Nearest found{k, index, squared};
   squared[k - 1] = max_radius * max_radius;
   tree_->kd.findNeighbors(found, p.data(), {});
   return found.n;
 }
 
-bool NeighbourTree::any_within(const Vector3d& p, double radius) const noexcept {
-  Any any{radius * radius};
-  tree_->kd.findNeighbors(any, p.data(), {});
-  return any.found;
+bool NeighbourTree::has_within(const Vector3d& p, double radius, int least) const noexcept {
+  WithinReach found(radius * radius, std::min(least, kMostGathered));
+  tree_->kd.findNeighbors(found, p.data(), {});
+  return found.n >= least;
 }
 
 int NeighbourTree::nearest_unordered(const Vector3d& p, int k, double max_radius,
@@ -150,28 +155,11 @@ int NeighbourTree::nearest_unordered(const Vector3d& p, int k, double max_radius
                                      int* closest) const noexcept {
   FirstLeaf leaf;
   tree_->kd.findNeighbors(leaf, p.data(), {});
-  WithinReach found;
   // For a query at height h above the surface, h² is added to all squared distances.
-  found.limit2 = leaf.closest < 0 ? 0.0
-                                  : std::min(max_radius * max_radius,
-                                             leaf.squared + kGuessMargin * reach2[leaf.closest]);
-  if (leaf.closest >= 0) tree_->kd.findNeighbors(found, p.data(), {});
-  if (found.n < k || found.n == kMostGathered) {
-    const int n = nearest(p, k, max_radius, index, squared);
-    *closest = n > 0 ? index[0] : -1;
-    return n;
-  }
-  std::nth_element(
-      found.items, found.items + k - 1, found.items + found.n,
-      [](const WithinReach::Item& a, const WithinReach::Item& b) { return a.squared < b.squared; });
-  int first = 0;
-  for (int i = 0; i < k; ++i) {
-    index[i] = found.items[i].index;
-    squared[i] = found.items[i].squared;
-    if (squared[i] < squared[first]) first = i;
-  }
-  *closest = index[first];
-  return k;
+  const double guess2 = leaf.closest < 0 ? 0.0 : leaf.squared / kGuessMargin + reach2[leaf.closest];
+  const int n = nearest(p, k, max_radius, index, squared, guess2, false);
+  *closest = n > 0 ? index[std::min_element(squared, squared + n) - squared] : -1;
+  return n;
 }
 
 }  // namespace impedraw

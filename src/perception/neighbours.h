@@ -22,20 +22,21 @@ class NeighbourTree {
   explicit NeighbourTree(const std::vector<Eigen::Vector3d>& points);
   ~NeighbourTree();
 
-  // Finds the k nearest points within max_radius [m], nearest first. `index` and `squared` (squared
-  // distances [m²]) must have room for k entries. Returns the number found.
-  int nearest(const Eigen::Vector3d& p, int k, double max_radius, int* index,
-              double* squared) const noexcept;
+  // Finds the k nearest points within max_radius [m], nearest first, or in any order but for the
+  // last one, the furthest. `index` and `squared` (squared distances [m²]) must have room for k
+  // entries. Returns the number found. guess2: of the squared distance of the k-th; the points
+  // within are gathered, which is twice as fast. If they are too few, or too many, all are sought.
+  int nearest(const Eigen::Vector3d& p, int k, double max_radius, int* index, double* squared,
+              double guess2 = 0.0, bool sorted = true) const noexcept;
 
-  // True if a point is nearer than the radius.
-  bool any_within(const Eigen::Vector3d& p, double radius) const noexcept;
-  // The same points unordered, except that the last one is the furthest. Faster by a third to a
-  // half, because nothing is sorted. reach2[i] is the squared distance of point i to its own k-th
-  // neighbour. It serves as a guess of the query's reach. If the guess is too small, the query
-  // falls back to nearest(). `closest`: the nearest point; −1 if there is none.
+  // The same points unordered. reach2[i] is the squared distance of point i to its own k-th
+  // neighbour: the guess is that of a point nearby. closest: the nearest point; −1: there is none.
   int nearest_unordered(const Eigen::Vector3d& p, int k, double max_radius,
                         const std::vector<double>& reach2, int* index, double* squared,
                         int* closest) const noexcept;
+
+  // True if at least so many points are nearer than the radius.
+  bool has_within(const Eigen::Vector3d& p, double radius, int least) const noexcept;
 
  private:
   friend std::vector<int> tree_order(const std::vector<Eigen::Vector3d>& points);

@@ -24,6 +24,13 @@ SurfaceEstimator::SurfaceEstimator(PointCloud cloud, const NormalSettings& setti
   fit_every_point();
   if (settings.mode == NormalMode::fresh)
     levels_ = DetailLevels::of(*patches_, known_, reach2_, std::move(finer));
+  if (!uses_finer()) return;
+  in_halves(patches_->size(), [&](int begin, int end) {
+    for (int i = begin; i < end; ++i)
+      if (at_points_[i].status == SurfaceStatus::ok)
+        at_points_[i] = levels_->refined(patches_->cloud().points[i], i, at_points_[i],
+                                         settings.max_one_sidedness);
+  });
 }
 SurfaceEstimator::~SurfaceEstimator() = default;
 SurfaceEstimator::SurfaceEstimator(SurfaceEstimator&&) noexcept = default;
@@ -35,21 +42,21 @@ void SurfaceEstimator::fit_every_point() {
   std::vector<Vector3d> normals(n, Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
   reach2_.resize(n);
   known_.resize(n);
+  at_points_.resize(n);
   in_halves(n, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const Vector3d& p = patches_->cloud().points[i];
-      Patch patch = patches_->nearest(p, s.k);
+      Patch patch = patches_->nearest(p, s.k, i > begin ? reach2_[i - 1] : 0.0);
       patch.closest = i;
       reach2_[i] = patch.reach2(s);
       known_[i] = patches_->fit(p, patch);
-      if (status_of(known_[i], s.max_one_sidedness) == SurfaceStatus::ok) normals[i] = known_[i].n;
+      at_points_[i].status = status_of(known_[i], s.max_one_sidedness);
+      if (at_points_[i].status != SurfaceStatus::ok) continue;
+      at_points_[i] = {SurfaceStatus::ok, known_[i].n, known_[i].distance};
+      normals[i] = known_[i].n;
     }
   });
   patches_->set_normals(std::move(normals));
-}
-
-SurfaceEstimate SurfaceEstimator::estimate(const Vector3d& p) const noexcept {
-  return estimate(p, nullptr);
 }
 
 SurfaceEstimate SurfaceEstimator::estimate(const Vector3d& p,
@@ -112,6 +119,8 @@ SurfaceEstimate SurfaceEstimator::interpolated(const Vector3d& p,
     return {.status = SurfaceStatus::off_edge};
   return {SurfaceStatus::ok, n, distance / sum};
 }
+
+bool SurfaceEstimator::uses_finer() const noexcept { return levels_ && levels_->any(); }
 
 double SurfaceEstimator::finer_share(const Vector3d& p) const noexcept {
   return levels_ && p.allFinite() ? levels_->finer_share(p) : 0.0;

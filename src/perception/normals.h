@@ -101,11 +101,16 @@ class SurfaceEstimator {
   SurfaceEstimator(SurfaceEstimator&&) noexcept;
   SurfaceEstimator& operator=(SurfaceEstimator&&) noexcept;
 
-  SurfaceEstimate estimate(const Eigen::Vector3d& p_W) const noexcept;
   // recent: what the caller keeps of this estimator's last queries; where those were near, as
   // under a moving tip, the query is cheaper. Null: nothing.
-  SurfaceEstimate estimate(const Eigen::Vector3d& p_W, RecentSurface* recent) const noexcept;
+  SurfaceEstimate estimate(const Eigen::Vector3d& p_W,
+                           RecentSurface* recent = nullptr) const noexcept;
 
+  // estimate() at each point of the cloud: its coarse part is known already.
+  const std::vector<SurfaceEstimate>& at_points() const noexcept { return at_points_; }
+
+  // True if a finer cloud is used anywhere.
+  bool uses_finer() const noexcept;
   // Degree to which the surface near p_W is too rough for the cloud itself: 0, where it serves, to
   // 1, where a finer cloud does.
   double finer_share(const Eigen::Vector3d& p_W) const noexcept;
@@ -124,6 +129,7 @@ class SurfaceEstimator {
   std::unique_ptr<CloudPatches> patches_;
   std::vector<double> reach2_;                  // Patch::reach2() at each point of the cloud
   std::vector<LocalSurface> known_;             // fitted at each point of the cloud
+  std::vector<SurfaceEstimate> at_points_;      // estimate() there
   std::unique_ptr<const DetailLevels> levels_;  // null: there are no finer clouds
 };
 

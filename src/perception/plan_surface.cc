@@ -1,7 +1,6 @@
 #include "impedraw/perception/plan_surface.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -147,22 +146,16 @@ void PlanSurface::find_holes() {
     const Vector3d foot = p - surface.distance * surface.n;
     constexpr int kSteps = static_cast<int>(kHoleReach / kHoleStep);
     const Vector3d a = kHoleStep * surface.n.unitOrthogonal(), b = surface.n.cross(a);
-    std::array<std::pair<Vector3d, std::uint64_t>, (2 * kSteps + 1) * (2 * kSteps + 1)> places;
-    std::size_t n = 0;
     for (int u = -kSteps; u <= kSteps; ++u)
       for (int v = -kSteps; v <= kSteps; ++v) {
         if (u * u + v * v > kSteps * kSteps) continue;
         const Vector3d place = foot + u * a + v * b;
-        places[n++] = {place, cube_of(place, kHoleStep)};
-        looked->prefetch(places[n - 1].second);
+        if (looked->insert(cube_of(place, kHoleStep)) && is_hole(place)) found->push_back(place);
       }
-    for (std::size_t k = 0; k < n; ++k)
-      if (looked->insert(places[k].second) && is_hole(places[k].first))
-        found->push_back(places[k].first);
   };
   std::vector<Vector3d> more;
   in_halves(patches_.size(), [&](int begin, int end) {
-    CubeSet looked(64 * static_cast<std::size_t>(end - begin));
+    CubeSet looked;
     for (int i = begin; i < end; ++i) look_about(i, &looked, begin == 0 ? &holes_ : &more);
   });
   holes_.insert(holes_.end(), more.begin(), more.end());
@@ -176,13 +169,15 @@ bool PlanSurface::is_hole(const Vector3d& place) const noexcept {
   static_assert(1.7321 * DetailLevels::kCube < kHole);
   if (levels_->finest_in_cube(place)) return false;
   const NeighbourTree& finest = levels_->finest();
-  if (finest.any_within(place, kHole)) return false;
-  int index[kAround];
-  double squared[kAround];
-  if (finest.nearest(place, kAround, patches_.settings().max_radius, index, squared) < kAround)
-    return true;
-  const double spacing = std::sqrt(spacing2(squared[kAround - 1], kAround));
-  return squared[0] > kSparse * kSparse * spacing * spacing;
+  if (finest.has_within(place, kHole, 1)) return false;
+  const double most = patches_.settings().max_radius;
+  int nearest;
+  double squared;
+  if (finest.nearest(place, 1, most, &nearest, &squared) == 0) return true;
+  // The radius at which kAround points have the spacing that makes this place a hole.
+  const double radius = std::sqrt(squared / (kSparse * kSparse * spacing2(1.0, kAround)));
+  return finest.has_within(place, std::min(radius, most), kAround) ||
+         !finest.has_within(place, most, kAround);
 }
 
 // A hole further off the tangent plane may lie in the body, under an upper sheet.
@@ -205,11 +200,8 @@ bool PlanSurface::beside_hole(const Vector3d& foot, const Vector3d& n) const noe
 
 void PlanSurface::find_creases() {
   const std::vector<Vector3d>& points = cloud().points;
+  const std::vector<SurfaceEstimate>& at = seen_->at_points();
   const int n = patches_.size();
-  std::vector<SurfaceEstimate> at(n);
-  in_halves(n, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) at[i] = seen_->estimate(points[i]);
-  });
   creases_.assign(n, 0);
   int index[kMostNeighbours];
   double squared[kMostNeighbours];

@@ -19,7 +19,7 @@ int RecentNeighbours::nearest(const NeighbourTree& tree, const std::vector<Vecto
   double distances[kMost];
   const int most = static_cast<int>(std::ceil(kSpare * k));
   middle_ = p;
-  n_ = tree.nearest(p, most, kFurther * max_radius, found, distances);
+  n_ = tree.nearest(p, most, kFurther * max_radius, found, distances, reach_ * reach_);
   reach_ = n_ == most ? std::sqrt(distances[n_ - 1]) : kFurther * max_radius;
   for (int i = 0; i < n_; ++i) {
     const Vector3d& q = points[static_cast<std::size_t>(found[i])];

@@ -80,6 +80,9 @@ TEST(Neighbours, AreThoseOfBruteForce) {
           ASSERT_GE(closest, 0);
           EXPECT_EQ((points[closest] - p).squaredNorm(), brute.front());
         }
+        const double middle = n > 1 ? std::sqrt(0.5 * (brute[n / 2 - 1] + brute[n / 2])) : 1e-6;
+        EXPECT_TRUE(n < 2 || tree.has_within(p, middle, n / 2));
+        EXPECT_FALSE(tree.has_within(p, middle, n / 2 + 1));
       }
     }
   }
@@ -97,6 +100,8 @@ TEST(Neighbours, GuessOfAnySizeGivesTheSamePoints) {
       tree.nearest({x, 0.1, 0}, 40, 1, index, right);
       ASSERT_EQ(tree.nearest_unordered({x, 0.1, 0}, 40, 1, reach2, index, squared, &closest), 40);
       std::sort(squared, squared + 40);
+      EXPECT_TRUE(std::equal(squared, squared + 40, right));
+      ASSERT_EQ(tree.nearest({x, 0.1, 0}, 40, 1, index, squared, guess), 40);
       EXPECT_TRUE(std::equal(squared, squared + 40, right));
     }
   }
@@ -161,6 +166,16 @@ TEST(RecentNeighbours, GiveTheSameSurface) {
   }
   EXPECT_GT(fine, 100);
   EXPECT_LT(fine, 1400);
+  // What it knows of its own points is what it answers there.
+  ASSERT_EQ(surface.at_points().size(), surface.cloud().points.size());
+  for (std::size_t i = 0; i < surface.at_points().size(); ++i) {
+    const SurfaceEstimate &known = surface.at_points()[i],
+                          asked = surface.estimate(surface.cloud().points[i]);
+    ASSERT_EQ(known.status, asked.status) << i;
+    if (known.status != SurfaceStatus::ok) continue;
+    EXPECT_LT((known.n_W - asked.n_W).norm(), 1e-9) << i;
+    EXPECT_NEAR(known.distance, asked.distance, 1e-12) << i;
+  }
 }
 
 TEST(CubeSet, HasWhatWasPutIn) {
