@@ -30,10 +30,10 @@ constexpr double kShrink = 0.85, kSmallest = 0.25;
 constexpr int kChecked = 20, kWhole = 3,
               kInVain = 12;  // places: checked; that suffice; since the best one
 constexpr double kAll = 0.999, kPromising = 0.95;
-constexpr std::size_t kTilts = 4;  // that are tried where the given plane does not do
-constexpr double kTilted = 0.01;   // what a tilted plane must be better by
-constexpr double kHopeless = 5.0;  // cost of a tilt that is not tried
-constexpr double kAlmost = 0.85;   // share from which on a place is moved a little
+constexpr std::size_t kOthers = 5;  // planes, where the given one does not do
+constexpr double kTilted = 0.01;    // what they must be better by
+constexpr double kHopeless = 5.0;   // cost of those that are not tried
+constexpr double kAlmost = 0.85;    // share from which on a place is moved a little
 constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
 
 // Distance of a point of W from the wish, in extents of the object `points`; from a point that is
@@ -88,15 +88,20 @@ std::vector<Vector2d> points_about_middle(const std::vector<PlacedStroke>& strok
 
 // Effort of a candidate: how easily the arm reaches a place of the surface. At ease: 0; not: 1.
 std::function<double(const SurfaceSample&)> unreachable(const Belief& belief, const Pose& X_WP,
-                                                        const PreflightSettings& settings) {
+                                                        const PreflightSettings& settings,
+                                                        const Vector3d& up = Vector3d::Zero()) {
   const auto check =
       std::make_shared<PostureCheck>(belief.arm, belief.obstacle.get(), belief.start_q, settings);
-  return [check, X_WP, start_q = belief.start_q,
+  return [check, X_WP, up, start_q = belief.start_q,
           upright = settings.vertical_pen](const SurfaceSample& at) {
     constexpr double kEasy = 0.4, kStrained = 0.05;  // joint margin [rad]; cost of none
     const Vector3d n = upright ? Vector3d(Vector3d::UnitZ()) : at.n_P;
     const Posture posture = check->enter({X_WP * at.p_P, -(X_WP.R * n)}, start_q);
     if (!posture.reached || posture.problem) return 1.0;
+    if (!up.isZero()) {
+      const Posture raised = check->follow({X_WP * at.p_P + up, -(X_WP.R * n)}, posture, up.norm());
+      if (!raised.reached || raised.problem) return 1.0;
+    }
     return kStrained * (1.0 - std::clamp(posture.margins.joint / kEasy, 0.0, 1.0));
   };
 }
@@ -132,7 +137,7 @@ PlaceSearchSettings search_settings(const Scenario& s, const Belief& belief, con
 }
 
 std::vector<std::string> assignments_of(const PlacementSettings& s, const PlacementSettings& given,
-                                        const Scenario& scenario, bool moved) {
+                                        const Scenario& scenario, bool moved, bool started) {
   std::vector<std::string> sets = {
       fmt::format("drawing.placement.centre=[{:.4f}, {:.4f}]", s.centre_m.x(), s.centre_m.y()),
       fmt::format("drawing.placement.rotate={:.1f}", s.rotate_deg)};
@@ -148,11 +153,35 @@ std::vector<std::string> assignments_of(const PlacementSettings& s, const Placem
     if (given.fit_page) sets.emplace_back("drawing.placement.fit_page=false");
     sets.push_back(fmt::format("drawing.placement.scale={:.4f}", *s.scale));
   }
-  const Vector3d &tilt = scenario.drawing.tilt_deg, &move = scenario.canvas.move;
+  const Vector3d &tilt = scenario.drawing.tilt_deg, &move = scenario.canvas.move,
+                 &start = scenario.arm.start_p_WE;
   if (!tilt.isZero())
     sets.push_back(fmt::format("drawing.tilt=[{}, {}, {}]", tilt.x(), tilt.y(), tilt.z()));
+  if (started)
+    sets.push_back(fmt::format("arm.start=[{}, {}, {}]", start.x(), start.y(), start.z()));
   if (moved) sets.push_back(fmt::format("canvas.move=[{}, {}, {}]", move.x(), move.y(), move.z()));
   return sets;
+}
+
+// drawing.tilt of a plane with the normal z. No yaw: the search turns the drawing. Without negative
+// zeros, which would be printed.
+Vector3d tilt_towards(const Vector3d& z) {
+  return {std::round(-std::asin(z.y()) / kDegree) + 0.0,
+          std::round(std::atan2(z.x(), z.z()) / kDegree) + 0.0, 0.0};
+}
+
+// The pens along a drawing at a place, W, as far as there is a surface.
+std::vector<PenPlacement> pens_along(const std::vector<Vector2d>& drawing, const PlaceFound& place,
+                                     const SurfaceHeight& surface, const Pose& X_WP) {
+  constexpr std::size_t kPens = 24;
+  std::vector<PenPlacement> pens;
+  const std::size_t step = std::max<std::size_t>(1, drawing.size() / kPens);
+  for (std::size_t i = 0; i < drawing.size(); i += step) {
+    const Vector2d p = place(drawing[i]);
+    if (const auto at = surface(p.x(), p.y()))
+      pens.push_back({X_WP * at->p_P, -(X_WP.R * at->n_P)});
+  }
+  return pens;
 }
 
 struct Checked {
@@ -201,9 +230,10 @@ struct PlaceBench::Parts {
 
   SettingErrors errors;
   Scenario s;  // with the placement completed, and a canvas that may have been moved
-  bool moved = false;
+  bool moved = false, started = false;  // canvas; arm.start
   Pose X_WP;
-  std::optional<Scene> scene;
+  std::shared_ptr<Scene> scene;
+  std::optional<Belief> belief;              // the scene's, before this drawing plane
   std::optional<PlaceSearch> search, fresh;  // fresh: nothing failed yet
   Placing placing;
   std::vector<std::vector<Vector2d>> strokes;
@@ -218,6 +248,7 @@ struct PlaceBench::Parts {
   std::map<std::array<double, 4>, Verdict> verdicts;  // by centre, turn and scale
 
   void improve(Checked* best);
+  double lean(const Vector3d& normal, const SurfaceWish& wish, Scenario* there) const;
 
   const Verdict& verdict(const PlacementSettings& at) {
     const auto [found, is_new] = verdicts.try_emplace(
@@ -230,9 +261,9 @@ struct PlaceBench::Parts {
   double share_of(const PlacementSettings& placement, std::vector<Vector2d>* failed) {
     Scenario there = s;
     there.drawing.placement = placement;
-    const PlacedArtwork put = load_artwork(there.drawing, errors, {}, &scene->belief.surface);
+    const PlacedArtwork put = load_artwork(there.drawing, errors, {}, &belief->surface);
     try {
-      const Plan plan = make_plan(there, put, scene->belief, Unreachable::tell, errors);
+      const Plan plan = make_plan(there, put, *belief, Unreachable::tell, errors);
       double lost = 0.0;
       for (const Finding& f : plan.preflight.findings) {
         lost += f.part.length();
@@ -250,15 +281,26 @@ struct PlaceBench::Parts {
   }
 };
 
-PlaceBench::PlaceBench(const Scenario& scenario, const Places& places, const SurfaceWish& wish) {
+PlaceBench::PlaceBench(const Scenario& scenario, const Places& places, const SurfaceWish& wish,
+                       const PlaceBench* other) {
   distance_of(wish.near, {});  // refuses it before anything takes long
   parts_ = std::make_unique<Parts>(scenario, places);
   Scenario& s = parts_->s;
   s.drawing.placement = placement_settings(s.drawing);
   const PlacedArtwork artwork = load_artwork(s.drawing, parts_->errors);
   const Pose X_WP = parts_->X_WP = artwork.X_WP;
-  const Belief& belief = parts_->scene.emplace(build_scene(s, X_WP, parts_->errors, false)).belief;
-  parts_->moved = s.canvas.move != scenario.canvas.move;
+  if (other) {
+    parts_->scene = other->parts_->scene;
+    Belief& known = parts_->belief.emplace(parts_->scene->belief);
+    known.start_q = start_before(s, X_WP, parts_->scene->truth, &known, parts_->errors);
+    known.surface = perceived_height(known.planning, X_WP);
+  } else {
+    parts_->scene = std::make_shared<Scene>(build_scene(s, X_WP, parts_->errors, false));
+    parts_->belief.emplace(parts_->scene->belief);
+  }
+  const Belief& belief = *parts_->belief;
+  parts_->moved = other ? other->parts_->moved : s.canvas.move != scenario.canvas.move;
+  parts_->started = other && s.arm.start_p_WE != other->parts_->s.arm.start_p_WE;
   if (belief.height_unknown())
     throw InputError(
         "--place surface: nothing is known of the surface; valid is perception.enabled: true, or "
@@ -292,7 +334,7 @@ const TriangleMesh* PlaceBench::known_mesh() const {
 }
 
 std::vector<Vector3d> PlaceBench::cloud() const {
-  const auto& seen = parts_->scene->belief.planning;
+  const auto& seen = parts_->belief->planning;
   return seen ? seen->cloud().points : std::vector<Vector3d>();
 }
 
@@ -334,37 +376,70 @@ double PlaceBench::share_of_plan(const PlaceFound& place) const {
   return parts_->verdict(parts_->placing.at(place)).share;
 }
 
-// The tilts of the drawing plane, towards eight sides, in which the quick search finds the best
-// places; the best one first.
-std::vector<Vector3d> PlaceBench::tilts(const SurfaceWish& wish) const {
+// Leans the drawing plane towards `normal`. The arm starts above the calmest place in it: the way
+// from where it starts before a level plane often leads past the ends of joints' ranges. A start
+// that was asked for stays, and that before simulated cameras, which would see the arm there.
+// Returns the cost of the best place that the quick search finds.
+double PlaceBench::Parts::lean(const Vector3d& normal, const SurfaceWish& wish,
+                               Scenario* there) const {
+  there->drawing.tilt_deg = tilt_towards(normal);
+  const Pose X = drawing_frame(there->drawing);
+  Belief known = scene->belief;
+  known.surface = perceived_height(known.planning, X);
+  PlaceSearchSettings settings = search_settings(*there, known, X, wish);
+  settings.unreachable = {};
+  settings.reach_step *= 2;  // the first look
+  PlaceSearch look(known.surface, settings);
+  const PlaceFound calmest = look.best(drawing, 1.0, {});
+  if (!(calmest.cost < kHopeless)) return kHopeless;
+  const Vector3d z = X.R.col(2), up = s.path.safe_height * z, given = s.arm.start_p_WE;
+  if (s.perception.source != PerceptionSource::simulated && given == ArmSettings().start_p_WE) {
+    const std::vector<PenPlacement> pens = pens_along(drawing, calmest, known.surface, X);
+    Vector3d middle = Vector3d::Zero();
+    double highest = -std::numeric_limits<double>::infinity();
+    for (const PenPlacement& pen : pens) {
+      middle += pen.p_WE / static_cast<double>(pens.size());
+      highest = std::max(highest, z.dot(pen.p_WE));
+    }
+    there->arm.start_p_WE = middle + (highest - z.dot(middle)) * z + up;
+    for (double& x : there->arm.start_p_WE) x = std::round(1e3 * x) / 1e3;
+  }
+  for (const bool last : {false, true}) {
+    try {
+      known.start_q = start_before(*there, X, scene->truth, &known, errors);
+      break;
+    } catch (const InputError&) {  // out of reach, or a link touches
+      if (last) return kHopeless;
+      there->arm.start_p_WE = given;
+    }
+  }
+  look.add_effort(unreachable(known, X, preflight_settings(*there, X, true, known.start_q), up));
+  return look.best(drawing, 1.0, {}).cost;
+}
+
+std::vector<Scenario> PlaceBench::others(const SurfaceWish& wish) const {
   constexpr int kSides = 8;
   const Parts& p = *parts_;
-  const Belief& belief = p.scene->belief;
-  std::vector<std::pair<double, Vector3d>> found;
-  for (int k = 0; belief.planning && k < kSides; ++k) {
+  std::vector<std::pair<double, Scenario>> found;
+  for (int k = 0; p.belief->planning && k < kSides; ++k) {
     for (const double lean : {35.0 * kDegree, 65.0 * kDegree}) {
       const double side = 2.0 * std::numbers::pi * k / kSides;
-      const Vector3d z(std::sin(lean) * std::cos(side), std::sin(lean) * std::sin(side),
-                       std::cos(lean));
-      Scenario tilted = p.s;
-      // No yaw: the search turns the drawing. Without negative zeros, which would be printed.
-      tilted.drawing.tilt_deg = {std::round(-std::asin(z.y()) / kDegree) + 0.0,
-                                 std::round(std::atan2(z.x(), z.z()) / kDegree) + 0.0, 0.0};
-      const Pose X_WP = drawing_frame(tilted.drawing);
-      PlaceSearchSettings settings = search_settings(tilted, belief, X_WP, wish);
-      settings.reach_step *= 2;  // the first look
-      const PlaceSearch search(perceived_height(belief.planning, X_WP), settings);
-      found.emplace_back(search.best(p.drawing, 1.0, {}).cost, tilted.drawing.tilt_deg);
+      Scenario there = p.s;
+      const double cost =
+          p.lean({std::sin(lean) * std::cos(side), std::sin(lean) * std::sin(side), std::cos(lean)},
+                 wish, &there);
+      found.emplace_back(cost, std::move(there));
     }
   }
   std::sort(found.begin(), found.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
   // Places that failed in this plane are avoided there.
   const double here = p.search->best(p.drawing, 1.0, {}).cost;
-  std::vector<Vector3d> tilts;
-  for (const auto& [cost, tilt] : found)
-    if (tilts.size() < kTilts && cost < std::min(here, kHopeless)) tilts.push_back(tilt);
-  return tilts;
+  std::vector<Scenario> others;
+  for (auto& [cost, other] : found)
+    if (others.size() < kOthers && cost < std::min(here, kHopeless))
+      others.push_back(std::move(other));
+  return others;
 }
 
 // Moves and turns a place by less than the search tells apart, as long as more can be drawn: joints
@@ -427,13 +502,14 @@ SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
   result.scenario = parts.s;
   result.scenario.drawing.placement = best.placement;
   const Vector2d& middle = best.place.middle;
-  const auto under = parts.scene->belief.surface(middle.x(), middle.y());
+  const auto under = parts.belief->surface(middle.x(), middle.y());
   result.p_W = parts.X_WP * (under ? under->p_P : Vector3d(middle.x(), middle.y(), 0.0));
   result.turn_deg = best.place.turn_deg;
   result.share = best.share;
   const Placement final_placement = place(parts.placing.drawn, best.placement);
   result.size_mm = final_placement.scale() * bounds_of(parts.placing.drawn.strokes).sizes();
-  result.assignments = assignments_of(best.placement, parts.placing.given, parts.s, parts.moved);
+  result.assignments =
+      assignments_of(best.placement, parts.placing.given, parts.s, parts.moved, parts.started);
   return result;
 }
 
@@ -449,21 +525,20 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
   const auto level = std::make_shared<PlaceBench>(scenario, places, wish);
   SurfacePlace best = level->best_place(wish, between(0.1, 0.4));
   best.bench = level;
-  if (best.share < kNearlyAll && scenario.drawing.tilt_deg.isZero()) {
-    double from = 0.5;
-    for (const Vector3d& tilt : level->tilts(wish)) {
-      Scenario tilted = scenario;
-      tilted.drawing.tilt_deg = tilt;
-      try {
-        const auto bench = std::make_shared<PlaceBench>(tilted, places, wish);
-        SurfacePlace found = bench->best_place(wish, between(from, from + 0.1));
-        found.bench = bench;
-        if (found.share > best.share + kTilted) best = std::move(found);
-      } catch (const InputError&) {  // no posture to start from, for example
-      }
-      if (best.share >= kNearlyAll) break;
-      from += 0.5 / kTilts;
+  double from = 0.5;
+  const auto attempt = [&](const Scenario& other) {
+    if (best.share >= kNearlyAll) return;
+    try {
+      const auto bench = std::make_shared<PlaceBench>(other, places, wish, level.get());
+      SurfacePlace found = bench->best_place(wish, between(from, from + 0.1));
+      found.bench = bench;
+      if (found.share > best.share + kTilted) best = std::move(found);
+    } catch (const InputError&) {  // no posture to start from, for example
     }
+    from += 0.5 / kOthers;
+  };
+  if (best.share < kNearlyAll && scenario.drawing.tilt_deg.isZero()) {
+    for (const Scenario& other : level->others(wish)) attempt(other);
   }
   if (!(best.share > 0.0))
     throw InputError("--place surface: the drawing cannot be drawn at any place that was tried");

@@ -45,7 +45,9 @@ struct SurfacePlace {
 class PlaceBench {
  public:
   // Throws InputError like prepare(), and for a wish that means nothing.
-  PlaceBench(const Scenario& scenario, const Places& places, const SurfaceWish& wish = {});
+  // `other`: one on the same object, whose scene it shares: only drawing plane and start differ.
+  PlaceBench(const Scenario& scenario, const Places& places, const SurfaceWish& wish = {},
+             const PlaceBench* other = nullptr);
   ~PlaceBench();
 
   const Scenario& scenario() const;  // as given
@@ -74,9 +76,9 @@ class PlaceBench {
   // The best place in this drawing plane; with a share of 0 if there is none. What it was asked
   // before costs no time again.
   SurfacePlace best_place(const SurfaceWish& wish, const std::function<void(double)>& progress);
-  // Roll, pitch and yaw of drawing planes that promise more than what best_place() left of this
-  // one; the best first, none without a cloud.
-  std::vector<Eigen::Vector3d> tilts(const SurfaceWish& wish) const;
+  // The scenario with other drawing planes, and starts of the arm before them, which promise more
+  // than what best_place() left of this one; the best first, none without a cloud.
+  std::vector<Scenario> others(const SurfaceWish& wish) const;
 
  private:
   struct Parts;

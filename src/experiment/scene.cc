@@ -268,6 +268,16 @@ void check_scene(const Scenario& s, const Scene& scene, const SettingErrors& set
   check_frames(s, setting_errors);
 }
 
+JointVector start_before(Scenario& s, const Pose& X_WP, const Truth& truth, Belief* belief,
+                         const SettingErrors& setting_errors) {
+  const auto touching = [&truth](const JointVector& q) {
+    truth.world->set_state(q, JointVector::Zero(q.size()));
+    return truth.world->touching_link();
+  };
+  return start_posture(s.arm, belief->arm, X_WP, about_drawing(s, truth.canvas, X_WP),
+                       setting_errors, touching, &belief->notes);
+}
+
 Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_errors, bool placed) {
   std::vector<std::string> notes;
   check_source(s, setting_errors);
@@ -322,12 +332,7 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
               .truth = {std::move(canvas), std::move(world)}};
   Belief& belief = scene.belief;
   const Truth& truth = scene.truth;
-  const auto touching = [&truth](const JointVector& q) {
-    truth.world->set_state(q, JointVector::Zero(q.size()));
-    return truth.world->touching_link();
-  };
-  belief.start_q = start_posture(s.arm, belief.arm, X_WP, about_drawing(s, truth.canvas, X_WP),
-                                 setting_errors, touching, &belief.notes);
+  belief.start_q = start_before(s, X_WP, truth, &belief, setting_errors);
   if (s.perception.enabled && !read)
     setting_errors.locate(kHowSeen, [&] {
       read.emplace(

@@ -27,6 +27,11 @@ struct Scene {
 Scene build_scene(Scenario& scenario, const Pose& X_WP, const SettingErrors& setting_errors,
                   bool placed = true);
 
+// The posture in which the arm starts before the drawing plane of X_WP; sets what start_posture()
+// sets, and the world's state.
+JointVector start_before(Scenario& scenario, const Pose& X_WP, const Truth& truth, Belief* belief,
+                         const SettingErrors& setting_errors);
+
 // Checks settings that do not make the scene but name its joints and links. Throws InputError.
 void check_scene(const Scenario& scenario, const Scene& scene, const SettingErrors& setting_errors);
 

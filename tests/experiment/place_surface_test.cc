@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -217,6 +218,45 @@ TEST_F(PlaceSurface, MovesALittleWhereWaysMeetALimit) {
   const Scenario can =
       plate({"canvas.mesh.file=" + (folder_ / "can.obj").string(), "drawing.placement.width=110"});
   EXPECT_GT(place_on_surface(can, {}, {}).share, 0.99);
+}
+
+// A board that faces the arm's base, its middle where the arm reaches: from the usual start the way
+// there leads past the end of a joint's range.
+TEST_F(PlaceSurface, StartsTheArmBeforeASideThatFacesIt) {
+  const Vector3d z = Vector3d(-0.92, -0.3, -0.25).normalized(),
+                 x = z.cross(Vector3d::UnitZ()).normalized(), y = z.cross(x),
+                 middle(0.62, -0.1, 0.22);
+  std::ofstream file(folder_ / "board.xyz");
+  for (int i = -40; i <= 40; ++i)
+    for (int j = -25; j <= 25; ++j) file << (middle + 2e-3 * (i * x + j * y)).transpose() << '\n';
+  file.close();
+  std::ofstream mesh(folder_ / "board.obj");
+  for (const double i : {-0.08, 0.08})
+    for (const double j : {-0.05, 0.05})
+      mesh << "v " << (middle + i * x + j * y).transpose() << '\n';
+  mesh << "f 1 3 4 2\n";
+  mesh.close();
+  const Vector3d eye = middle + 0.5 * z;
+  DrawOptions options;
+  options.text = "Hello";
+  options.assignments = {
+      "canvas.kind=mesh",
+      "drawing.placement.width=100",
+      "perception.source=cloud",
+      "canvas.mesh.file=" + (folder_ / "board.obj").string(),
+      "perception.cloud=" + (folder_ / "board.xyz").string(),
+      fmt::format("perception.viewpoint=[{}, {}, {}]", eye.x(), eye.y(), eye.z())};
+  const SurfacePlace found = place_on_surface(resolve(options), {}, {});
+  EXPECT_GT(found.share, 0.98);
+  EXPECT_LT(found.p_W.x(), 0.65);
+  const Eigen::Vector3d start = found.scenario.arm.start_p_WE;
+  EXPECT_GT(z.dot(start - found.p_W), 0.02);
+  EXPECT_LT((start - found.p_W).norm(), 0.15);
+  // The printed settings repeat it.
+  options.assignments.insert(options.assignments.end(), found.assignments.begin(),
+                             found.assignments.end());
+  EXPECT_EQ(resolve(options).arm.start_p_WE, start);
+  EXPECT_TRUE(prepare_plan(resolve(options)).plan.preflight.findings.empty());
 }
 
 TEST_F(PlaceSurface, RefusesAWishThatMeansNothing) {

@@ -39,18 +39,17 @@ PlaceSearch::PlaceSearch(const SurfaceHeight& surface, const PlaceSearchSettings
   ny_ = static_cast<int>(sides.y() / cell) + 1;
   cells_.resize(static_cast<std::size_t>(nx_) * ny_);
   heights_.assign(cells_.size(), std::numeric_limits<float>::quiet_NaN());
-  std::vector<SurfaceHeight::Sample> seen;
   SurfaceHeight::Sample last;
   for (int j = 0; j < ny_; ++j)
     for (int i = 0; i < nx_; ++i) {
       const Vector2d p = settings_.box.min() + cell * Vector2d(i + 0.5, j + 0.5);
-      seen.push_back(surface(p.x(), p.y(), last));
+      seen_.push_back(surface(p.x(), p.y(), last));
     }
   const auto index = [&](int i, int j) { return static_cast<std::size_t>(j) * nx_ + i; };
   const double steepest = settings_.max_slope_deg * std::numbers::pi / 180.0;
   for (int j = 0; j < ny_; ++j) {
     for (int i = 0; i < nx_; ++i) {
-      const auto& here = seen[index(i, j)];
+      const auto& here = seen_[index(i, j)];
       if (!here) continue;
       const double slope =
           std::acos(std::clamp(std::min(here->n_P.z(), here->steepest), -1.0, 1.0));
@@ -58,8 +57,8 @@ PlaceSearch::PlaceSearch(const SurfaceHeight& surface, const PlaceSearchSettings
       heights_[index(i, j)] = static_cast<float>(here->p_P.z());
       double bend = 0.0;
       for (const auto& [x, y] : {std::pair{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}}) {
-        if (x < 0 || y < 0 || x >= nx_ || y >= ny_ || !seen[index(x, y)]) continue;
-        const SurfaceSample& there = *seen[index(x, y)];
+        if (x < 0 || y < 0 || x >= nx_ || y >= ny_ || !seen_[index(x, y)]) continue;
+        const SurfaceSample& there = *seen_[index(x, y)];
         if (step_between(*here, there) > kBroken) trouble = CellTrouble::edge;
         bend = std::max(bend, (there.n_P - here->n_P).norm() / (there.p_P - here->p_P).norm());
       }
@@ -72,16 +71,20 @@ PlaceSearch::PlaceSearch(const SurfaceHeight& surface, const PlaceSearchSettings
     }
   }
   add_edges();
-  if (!settings_.unreachable) return;
-  const int stride = std::max(1, static_cast<int>(settings_.reach_step / cell));
+  if (settings_.unreachable) add_effort(settings_.unreachable);
+}
+
+void PlaceSearch::add_effort(const std::function<double(const SurfaceSample&)>& unreachable) {
+  const int stride = std::max(1, static_cast<int>(settings_.reach_step / settings_.cell));
   for (int j = 0; j < ny_; j += stride) {
     for (int i = 0; i < nx_; i += stride) {
       std::vector<std::size_t> block;
       for (int y = j; y < std::min(ny_, j + stride); ++y)
         for (int x = i; x < std::min(nx_, i + stride); ++x)
-          if (!cells_[index(x, y)].bad()) block.push_back(index(x, y));
+          if (const auto k = static_cast<std::size_t>(y) * nx_ + x; !cells_[k].bad())
+            block.push_back(k);
       if (block.empty()) continue;
-      const double effort = settings_.unreachable(*seen[block[block.size() / 2]]);
+      const double effort = unreachable(*seen_[block[block.size() / 2]]);
       for (const std::size_t k : block) {
         cells_[k].cost += kUnreachable * effort;
         if (effort >= 1.0) cells_[k].trouble = CellTrouble::unreachable;

@@ -58,6 +58,9 @@ class PlaceSearch {
  public:
   PlaceSearch(const SurfaceHeight& surface, const PlaceSearchSettings& settings);
 
+  // Adds 5 u of an arm to the cells' costs.
+  void add_effort(const std::function<double(const SurfaceSample&)>& unreachable);
+
   // A check failed at these points of P: drawings are to keep off them.
   void avoid(const std::vector<Eigen::Vector2d>& points);
 
@@ -89,6 +92,7 @@ class PlaceSearch {
   PlaceSearchSettings settings_;
   int nx_ = 0, ny_ = 0;
   std::vector<Cell> cells_;
+  std::vector<SurfaceHeight::Sample> seen_;
   std::vector<float> heights_;
 };
 
