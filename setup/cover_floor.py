@@ -93,13 +93,13 @@ def promised(folder):
         lines = run["target/points"][:]  # of the promised strokes, on the true surface
     treated = np.zeros_like(surface.known)
     treated[surface.known] = cKDTree(lines).query(surface.points[surface.known])[0] <= RADIUS - ASTRAY
+    of_every = lambda n: (np.indices(surface.known.shape) % n == 0).all(0)[surface.known]  # noqa: E731
     depth = (depth_of(surface, treated) - HALF_STEP)[surface.known]
     points, area = surface.points[surface.known], surface.area[surface.known]
-    even = np.indices(surface.known.shape).sum(0)[surface.known] % 2 == 0
-    inner = even & (depth >= RADIUS)
-    centres = np.r_[points[even & (depth >= RADIUS - 2 * ASTRAY)], lines[::3]]
+    inner, allowed = of_every(2) & (depth >= RADIUS), of_every(3) & (depth >= RADIUS - 2 * ASTRAY)
+    centres = np.r_[points[allowed], lines[::3]]
     held = pressed(points, centres, np.flatnonzero(inner))
-    weight = np.sqrt(area[inner])
+    weight = np.sqrt(area[inner] / area[inner].mean())
     weighted = diags(weight) @ held
 
     def off(density):
@@ -107,7 +107,7 @@ def promised(folder):
         return 0.5 * rest @ rest, weighted.T @ rest
 
     start = np.full(held.shape[1], 1.0 / held.sum(1).mean())
-    found = minimize(off, start, jac=True, method="L-BFGS-B", bounds=[(0, None)] * len(start), options={"maxiter": 2000, "maxfun": 4000})
+    found = minimize(off, start, jac=True, method="L-BFGS-B", bounds=[(0, None)] * len(start), options={"maxiter": 3000, "maxfun": 6000, "ftol": 1e-13, "gtol": 1e-7})
     return cv(held @ found.x, area[inner])
 
 

@@ -358,10 +358,10 @@ void Planning::leave_out_barred(std::vector<Finding> transitions) {
     const auto i = static_cast<std::size_t>(f.part.stroke);
     if (i < barring.size() && !barring[i]) barring[i] = &f;  // the first of each
   }
-  bool any = false;
+  if (std::ranges::count(barring, nullptr) == std::ssize(barring))
+    throw InputError(finding_text(transitions.front()));
   for (std::size_t i = barring.size(); i-- > 0;) {  // so that the numbers of those before stay
     if (!barring[i]) continue;
-    any = true;
     Finding& f = *barring[i];
     const StrokePart whole = plan_.preflight.drawable[i];
     double from = whole.from, to = whole.to;
@@ -377,7 +377,6 @@ void Planning::leave_out_barred(std::vector<Finding> transitions) {
     }
     take_away(i, from, to, std::move(f));
   }
-  if (!any) throw InputError(finding_text(transitions.front()));
 }
 
 // Takes [from, to] of a drawable part away, and what would be left too short beside it. The finding
@@ -395,11 +394,10 @@ void Planning::take_away(std::size_t i, double from, double to, Finding finding)
     left.push_back({whole.stroke, gone.to, whole.to});
   else
     gone.to = whole.to;
-  const auto at = drawable.erase(drawable.begin() + static_cast<std::ptrdiff_t>(i));
-  drawable.insert(at, left.begin(), left.end());
+  const auto at = static_cast<std::ptrdiff_t>(i);
+  drawable.insert(drawable.erase(drawable.begin() + at), left.begin(), left.end());
   const double share = shares_[i];
-  const auto there = shares_.erase(shares_.begin() + static_cast<std::ptrdiff_t>(i));
-  shares_.insert(there, left.size(), share);
+  shares_.insert(shares_.erase(shares_.begin() + at), left.size(), share);
   finding.part = on_artwork(plan_, artwork_.placement, gone);
   plan_.preflight.findings.push_back(std::move(finding));
 }
