@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -439,8 +440,10 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
   SurfacePlace best = level->best_place(wish, between(0.1, 0.4));
   best.bench = level;
   double from = 0.5;
-  const auto attempt = [&](const Scenario& other) {
-    if (best.share >= kNearlyAll) return;
+  std::vector<Scenario> others;
+  if (best.share < kNearlyAll && scenario.drawing.tilt_deg.isZero()) others = level->others(wish);
+  for (const Scenario& other : others) {
+    if (best.share >= kNearlyAll) break;
     try {
       const auto bench = std::make_shared<PlaceBench>(other, places, wish, level.get());
       SurfacePlace found = bench->best_place(wish, between(from, from + 0.1));
@@ -449,9 +452,6 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
     } catch (const InputError&) {  // no posture to start from, for example
     }
     from += 0.5 / kOthers;
-  };
-  if (best.share < kNearlyAll && scenario.drawing.tilt_deg.isZero()) {
-    for (const Scenario& other : level->others(wish)) attempt(other);
   }
   if (!(best.share > 0.0))
     throw InputError("--place surface: the drawing cannot be drawn at any place that was tried");

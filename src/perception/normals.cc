@@ -24,10 +24,13 @@ SurfaceEstimator::SurfaceEstimator(PointCloud cloud, const NormalSettings& setti
   fit_every_point();
   if (settings.mode == NormalMode::fresh)
     levels_ = DetailLevels::of(*patches_, known_, reach2_, std::move(finer));
-  if (!uses_finer()) return;
+  const bool interpolates = settings.mode == NormalMode::interpolated;
+  if (!uses_finer() && !interpolates) return;
   in_halves(patches_->size(), [&](int begin, int end) {
     for (int i = begin; i < end; ++i)
-      if (at_points_[i].status == SurfaceStatus::ok)
+      if (interpolates)
+        at_points_[i] = estimate(patches_->cloud().points[i]);
+      else if (at_points_[i].status == SurfaceStatus::ok)
         at_points_[i] = levels_->refined(patches_->cloud().points[i], i, at_points_[i],
                                          settings.max_one_sidedness);
   });

@@ -156,11 +156,10 @@ std::string ReadingsThatStand::update(const MotionReading& now, const MotionLimi
 
 void ReadingsThatStand::update_stops(const MotionReading& now, const MotionLimits& limits) {
   const std::size_t n = speeds_.size();
-  const JointVector goes_on = 2.0 * speeds_[(oldest_ + n - 1) % n] - speeds_[(oldest_ + n - 2) % n];
-  JointVector stops = JointVector::Zero(now.moved.size()), reacts = now.moved / now.dt - goes_on;
+  const auto goes_on = 2.0 * speeds_[(oldest_ + n - 1) % n] - speeds_[(oldest_ + n - 2) % n];
+  JointVector stops = JointVector::Zero(now.moved.size());
   for (Eigen::Index j = 0; j < stops.size(); ++j) {
     if (still_.readings[j] != 1.0) continue;
-    reacts[j] = 0.0;
     double least = goes_on[j];
     for (const JointVector& speed : speeds_) {
       if (speed[j] * least <= 0.0) least = 0.0;
@@ -170,6 +169,8 @@ void ReadingsThatStand::update_stops(const MotionReading& now, const MotionLimit
     stops[j] = least - std::copysign(rounding, least);
   }
   if (now.M && now.M->allFinite() && !stops.isZero(0.0)) {
+    JointVector reacts = now.moved / now.dt - goes_on;
+    reacts = (still_.readings.array() == 1.0).select(0.0, reacts);
     const auto needed = now.M->lazyProduct(stops).cwiseAbs().cwiseMin(
                             now.M->lazyProduct(stops - reacts).cwiseAbs()) /
                         now.dt;

@@ -14,6 +14,14 @@ double shortest_gap(const Experiment& e) {
                                     : kShortestGap;
 }
 
+// The parts less what is taken out of them. Pieces of at most `shortest` [m] are dropped.
+std::vector<StrokePart> less(const Experiment& e, const std::vector<StrokePart>& parts,
+                             const std::vector<StrokePart>& taken, double shortest) {
+  std::vector<StrokePart> gone = rest_of(e.plan.strokes, parts);
+  gone.insert(gone.end(), taken.begin(), taken.end());
+  return rest_of(e.plan.strokes, gone, shortest);
+}
+
 }  // namespace
 
 bool overlaps(const StrokePart& part, const std::vector<StrokePart>& others) {
@@ -52,9 +60,8 @@ TipPath path_for(const Experiment& e, const std::vector<StrokePart>& parts,
 
 void take_out(const Experiment& e, const OffSurface& off, std::vector<StrokePart>* parts) {
   const double at = nearest_place(e.plan.strokes[static_cast<std::size_t>(off.stroke)], off.p);
-  std::vector<StrokePart> done = rest_of(e.plan.strokes, *parts);
-  done.push_back({off.stroke, at - OffSurface::kAbout, at + OffSurface::kAbout});
-  std::vector<StrokePart> left = rest_of(e.plan.strokes, done, kShortestGap);
+  std::vector<StrokePart> left = less(
+      e, *parts, {{off.stroke, at - OffSurface::kAbout, at + OffSurface::kAbout}}, kShortestGap);
   if (plane_length(strokes_of(e, left)) >= plane_length(strokes_of(e, *parts))) throw;
   *parts = std::move(left);
 }
@@ -89,9 +96,7 @@ TipPath checked_path(const Experiment& e, std::vector<StrokePart>* parts,
       else
         blocked->add_stroke(stroke);
     }
-    std::vector<StrokePart> done = rest_of(e.plan.strokes, *parts);
-    done.insert(done.end(), blocked->parts().begin(), blocked->parts().end());
-    *parts = rest_of(e.plan.strokes, done, shortest_gap(e));
+    *parts = less(e, *parts, blocked->parts(), shortest_gap(e));
   }
 }
 

@@ -25,6 +25,12 @@ struct MadeUpPen {
     ink.add(stroke, to, true);
     ink.add(-1, 0.0, false);
   }
+  // Ink all along the first stroke but for these shares of it.
+  void inks_around(double from, double to) {
+    const double length = plane_length(experiment.plan.strokes[0]);
+    inks(0, 0.0, from * length);
+    inks(0, to * length, length);
+  }
   void inks_all() {
     for (std::size_t i = 0; i < experiment.plan.strokes.size(); ++i)
       inks(static_cast<int>(i), 0.0, plane_length(experiment.plan.strokes[i]));
@@ -59,14 +65,12 @@ TEST(StandingDrawing, DrawsAGapOnceMore) {
   StandingDrawing drawing(e, e.plan.path);
   MadeUpPen pen(e);
   drawing.next(pen.now());
-  const double length = plane_length(e.plan.strokes[0]);
-  pen.inks(0, 0.0, 0.3 * length);
-  pen.inks(0, 0.4 * length, length);
+  pen.inks_around(0.3, 0.4);
   const Move move = drawing.next(pen.now());
   ASSERT_EQ(move.kind, Move::Kind::draw);
   EXPECT_TRUE(move.again);
   ASSERT_EQ(drawing.record().drawn_again.size(), 1u);
-  EXPECT_NEAR(drawing.record().drawn_again[0].from, 0.3 * length, 1e-12);
+  EXPECT_NEAR(drawing.record().drawn_again[0].from, 0.3 * plane_length(e.plan.strokes[0]), 1e-12);
   EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::end) << "once";
 }
 
@@ -76,9 +80,7 @@ TEST(StandingDrawing, GoesToAGapAsHighAsTheFirstPassWent) {
   StandingDrawing drawing(e, e.plan.path);
   MadeUpPen pen(e);
   drawing.next(pen.now());
-  const double length = plane_length(e.plan.strokes[0]);
-  pen.inks(0, 0.0, 0.49 * length);
-  pen.inks(0, 0.51 * length, length);
+  pen.inks_around(0.49, 0.51);
   pen.pen.X_WE = Pose{e.plan.path.at(e.plan.path.duration()).reference.p_WD, pen.pen.X_WE.R};
   const Move move = drawing.next(pen.now());
   ASSERT_EQ(move.kind, Move::Kind::draw);
@@ -97,11 +99,9 @@ TEST(StandingDrawing, LeavesAGapToWhichNoWayLeads) {
   StandingDrawing drawing(e, e.plan.path);
   MadeUpPen pen(e);
   drawing.next(pen.now());
+  pen.inks_around(0.49, 0.51);
   const PlacedStroke& stroke = e.plan.strokes[0];
-  const double length = plane_length(stroke);
-  pen.inks(0, 0.0, 0.49 * length);
-  pen.inks(0, 0.51 * length, length);
-  const Eigen::Vector2d middle = place_on(stroke, 0.5 * length).p_P;
+  const Eigen::Vector2d middle = place_on(stroke, 0.5 * plane_length(stroke)).p_P;
   TriangleMesh block = box(0.04, 0.04, 0.1);
   const Eigen::Vector3d p = e.artwork.X_WP * e.surface()(middle.x(), middle.y())->p_P;
   for (Eigen::Vector3d& v : block.vertices) v += p - Eigen::Vector3d(0.02, 0.02, 0.0);
