@@ -40,6 +40,7 @@ constexpr double kUnmoved = 0.15, kStill = 1e-4, kAsked = 0.1, kHeld = 0.02;  //
 constexpr double kSame = 8e-3, kSameReadings = 3, kFrozen = 1e-4;             // [s], –, [rad]
 constexpr double kFriction = 0.02, kLeastFriction = 1.5;                      // share, [Nm]
 constexpr Eigen::Index kTogether = 3;                                         // joints
+constexpr double kCreeps = 1e-3;                                              // [rad/s]
 constexpr double kBeside = 0.05, kMostBeside = 1e-3;                          // [s], [rad]
 
 }  // namespace
@@ -176,7 +177,7 @@ void ReadingsThatStand::update_stops(const MotionReading& now, const MotionLimit
                         now.dt;
     const auto changed = (now.torque - torque_).cwiseAbs() + (now.external - external_).cwiseAbs();
     const auto friction = (kFriction * limits.torque).cwiseMax(kLeastFriction);
-    if ((stops.array() != 0.0).count() >= kTogether ||
+    if ((stops.array().abs() > kCreeps).count() >= kTogether ||
         (needed - changed - friction).maxCoeff() > 0.0)
       stopped_ = (stops.array() != 0.0).select(stops, stopped_);
   }
