@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 
 // Lines that keep within the arm's reach treat more evenly, but are not to promise less than this
 // share of what the lines do that are cut where the reach ends.
-constexpr double kOfDraft = 0.975;
+constexpr double kOfDraft = 0.93;
 
 // Both maps of a run, fed row by row.
 class Judge {
@@ -76,9 +76,10 @@ class Judge {
 
   static void press(TreatmentMap* map, const Pose& X_PE, Eigen::Vector3d* before, double force,
                     double time, double dt, bool on_line) {
-    const double speed = (X_PE.p - *before).norm() / dt;
+    const Eigen::Vector3d velocity = (X_PE.p - *before) / dt;
     *before = X_PE.p;
-    if (force > 0.0 && speed < kFastest) map->press(X_PE, force, speed, time, dt, on_line);
+    if (force > 0.0 && velocity.norm() < kFastest)
+      map->press(X_PE, force, velocity, time, dt, on_line);
   }
   static constexpr double kFastest = 10.0;  // beyond, the place before is not known [m/s]
 
@@ -250,37 +251,38 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   const fs::path strokes = fs::absolute(folder / "cover.csv"),
                  draft = fs::absolute(folder / "cover-draft.csv");
   const std::string begun_along = begun ? text_of(strokes) : "";
+  // What is resumed keeps its lines until the same have been found again.
+  const fs::path& laid_in = begun ? draft : strokes;
+  std::optional<Prepared> laid;
   const auto lay = [&](const CoverPlan& along, const fs::path& file, double from) {
+    if (laid) scenes.give_back(scene_of(std::move(*laid)));
     write_whole(file, cover_strokes(along, scenario));
-    return prepare(
+    laid.emplace(prepare(
         drawing_of_cover(scenario, file), places, Unreachable::refuse,
-        [&](const char* what, double share) { line->update(what, from + 0.35 * share); }, &scenes);
+        [&](const char* what, double share) { line->update(what, from + 0.2 * share); }, &scenes));
   };
-  const bool other = begun && begun_along != cover_strokes(plan, scenario);
-  std::optional<Prepared> laid(lay(plan, other ? draft : strokes, 0.3));
+  lay(plan, laid_in, 0.3);
   CoverPlan within = plan;
-  const bool again = keep_within_reach(scenario, *laid, &within) && (other || !begun);
+  const bool beyond = keep_within_reach(scenario, *laid, &within);
   plan.beyond_arm = within.beyond_arm;
-  if (other && (!again || begun_along != cover_strokes(within, scenario)))
-    throw InputError(
-        fmt::format("--resume: the area in {} was begun along other lines; use the same settings",
-                    folder.string()));
-  if (again) {
-    const auto promised = [&] {
-      return area_of(plan.grid, promised_places(*laid, plan, plan.grid));
-    };
-    const auto lay_anew = [&](const CoverPlan& along) {
-      scenes.give_back(scene_of(std::move(*laid)));
-      laid.emplace(lay(along, strokes, 0.65));
-    };
-    const double least = kOfDraft * promised();
-    lay_anew(within);
-    if (other || promised() >= least)
+  bool cut = keep_drawn(scenario, *laid, &plan);
+  if (beyond) {
+    lay(within, laid_in, 0.5);
+    const bool cut_within = keep_drawn(scenario, *laid, &within);
+    if (within.promised_area >= kOfDraft * plan.promised_area) {
       plan = std::move(within);
-    else
-      lay_anew(plan);
+      cut = cut_within;
+    }
   }
-  fs::remove(draft);
+  if (cut) lay(plan, laid_in, 0.7);
+  if (begun) {
+    if (begun_along != cover_strokes(plan, scenario))
+      throw InputError(
+          fmt::format("--resume: the area in {} was begun along other lines; use the same settings",
+                      folder.string()));
+    lay(plan, strokes, 0.8);
+    fs::remove(draft);
+  }
   for (const std::string& note : plan.notes) say(stderr, "note: {}\n", note);
   line.reset();
   Prepared& experiment = *laid;

@@ -1,12 +1,14 @@
 #include "impedraw/experiment/cover.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
 
 #include "impedraw/canvas/mesh_file.h"
+#include "impedraw/common/in_parallel.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/regions.h"
 #include "impedraw/experiment/height_sources.h"
@@ -142,22 +144,45 @@ void note_rest(double max_slope_deg, CoverPlan* cover) {
         plan.centres.within_reach.empty() ? "" : ", or where the arm does not reach"));
 }
 
-// On the plan's centres.
-void lay_lines(const Scenario& s, CoverPlan* cover) {
-  CoverPlan& plan = *cover;
+std::vector<char> inner_places(const CoverPlan& plan, const PlaneLines& lines) {
   const double radius = plan.wish.footprint.radius;
-  plan.lines = cover_lines(plan.grid, plan.centres, plan.wish);
-  const auto promised = [&] { return swept(plan.grid, plan.lines.passes, radius - kAstray); };
-  const std::vector<char> inner = inside_by(plan.grid, promised(), radius);
-  even_lines(plan.grid, plan.centres.clearance, plan.wish.footprint, inner, plan.lines.edges,
-             &plan.lines.passes);
-  for (auto& pass : plan.lines.passes) pass = rounded(pass, kExact);
-  plan.promised_area = area_of(plan.grid, promised());
-  plan.forces = even_forces(plan.grid, plan.lines.passes, plan.wish.footprint, inner, kForceChange);
+  return inside_by(plan.grid, swept(plan.grid, lines, radius - kAstray), radius);
+}
+
+// Promises what the lines cover, and evens out their forces.
+void promise(const Scenario& s, const std::vector<char>& inner, CoverPlan* cover) {
+  CoverPlan& plan = *cover;
+  const PlaneLines& lines = plan.lines.passes;
+  plan.promised_area =
+      area_of(plan.grid, swept(plan.grid, lines, plan.wish.footprint.radius - kAstray));
+  plan.forces = even_forces(plan.grid, lines, plan.wish.footprint, inner, kForceChange);
   for (auto& pass : plan.forces)
     for (double& f : pass) f *= s.control.normal_force;
   plan.notes.clear();
   note_rest(s.preflight.max_slope_deg, cover);
+}
+
+// On the plan's centres, in the layout that is more even.
+void lay_lines(const Scenario& s, CoverPlan* cover) {
+  CoverPlan& plan = *cover;
+  struct Laid {
+    CoverLines lines;
+    std::vector<char> inner;
+    double uneven = 0.0;
+  };
+  std::array<Laid, 2> laid;
+  in_parallel(2, [&](int i) {
+    Laid& l = laid[static_cast<std::size_t>(i)];
+    l.lines =
+        cover_lines(plan.grid, plan.centres, plan.wish, i == 0 ? Layout::rows : Layout::rings);
+    l.inner = inner_places(plan, l.lines.passes);
+    l.uneven = even_lines(plan.grid, plan.centres.clearance, plan.wish.footprint, l.inner,
+                          l.lines.edges, &l.lines.passes);
+  });
+  Laid& better = laid[1].uneven < laid[0].uneven ? laid[1] : laid[0];
+  plan.lines = std::move(better.lines);
+  for (auto& pass : plan.lines.passes) pass = rounded(pass, kExact);
+  promise(s, better.inner, cover);
 }
 
 std::vector<Eigen::Vector2d> line_of(const PlacedArtwork& artwork, const StrokePart& part) {
@@ -249,6 +274,26 @@ bool keep_within_reach(const Scenario& s, const PlannedDrawing& drawing, CoverPl
   }
   if (std::ranges::count(c.allowed, 1) == 0) return false;
   lay_lines(s, plan);
+  return true;
+}
+
+bool keep_drawn(const Scenario& s, const PlannedDrawing& drawing, CoverPlan* plan) {
+  CoverLines& lines = plan->lines;
+  const auto once = static_cast<std::ptrdiff_t>(lines.passes.size());
+  std::vector<StrokePart> lost;
+  for (const Finding& f : drawing.plan.preflight.findings)
+    if (f.way == WayEnd::none && f.part.stroke < once) lost.push_back(f.part);
+  if (lost.empty()) return false;
+  const auto first = drawing.artwork.strokes.begin();
+  PlaneLines kept;
+  std::size_t edges = 0;
+  for (const StrokePart& part : rest_of({first, first + once}, merged(std::move(lost)), kExact)) {
+    kept.push_back(line_of(drawing.artwork, part));
+    edges += static_cast<std::size_t>(part.stroke) < lines.edges;
+  }
+  lines.passes = std::move(kept);
+  lines.edges = edges;
+  promise(s, inner_places(*plan, lines.passes), plan);
   return true;
 }
 

@@ -43,6 +43,10 @@ CoverPlan plan_cover(const Scenario& scenario, const Belief& belief, const Pose&
 // as they are. Returns false if it comes everywhere.
 bool keep_within_reach(const Scenario& scenario, const PlannedDrawing& drawing, CoverPlan* plan);
 
+// Leaves out what the drawing of the lines leaves out of them, and promises what is left.
+// Returns false if all is drawn.
+bool keep_drawn(const Scenario& scenario, const PlannedDrawing& drawing, CoverPlan* plan);
+
 // A grid over the same places with the heights of the true canvas, and what a perfect planner
 // reaches there: the footprint anywhere in the region where it touches and the slope allows it.
 struct TrueCover {

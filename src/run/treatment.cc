@@ -21,8 +21,9 @@ TreatmentMap::TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double forc
   for (std::size_t v = 0; v < grid_.size(); ++v) area_.push_back(grid_.area(v));
 }
 
-void TreatmentMap::press(const Pose& X_PE, double force, double speed, double time, double dt,
-                         bool on_line) {
+void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& v_P, double time,
+                         double dt, bool on_line) {
+  const double speed = v_P.cross(X_PE.R.col(2)).norm();
   const double pressure = force / pad_.area();
   if (time - last_time_ > kApart) mean_ = pressure;
   mean_ += std::min(1.0, dt / kMean) * (pressure - mean_);

@@ -29,9 +29,10 @@ class TreatmentMap {
   TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double force, double speed,
                double doubt = 0.0);
 
-  // The pad is at X_PE, presses with this force along its normal and slides at `speed`, for dt.
+  // The pad is at X_PE, presses with this force along its normal and moves with v_P [m/s], for dt.
+  // It slides across its axis only: what is set down or lifted removes nothing.
   // `on_line`: counts towards the mean pressure and its SD.
-  void press(const Pose& X_PE, double force, double speed, double time, double dt,
+  void press(const Pose& X_PE, double force, const Eigen::Vector3d& v_P, double time, double dt,
              bool on_line = true);
 
   const SurfaceGrid& grid() const { return grid_; }

@@ -12,7 +12,7 @@ namespace {
 constexpr double kSpeed = 0.1, kDt = 1e-3, kForce = 5.0;
 
 // The plane z = `height`, and a pad that goes along x over z = 0, face down.
-TreatmentMap after_a_line(double height, double tilt_deg = 0.0) {
+TreatmentMap after_a_line(double height, double tilt_deg = 0.0, double sinks = 0.0) {
   SurfaceGrid g;
   g.low = {-0.05, -0.03};
   g.step = 1e-3;
@@ -26,7 +26,8 @@ TreatmentMap after_a_line(double height, double tilt_deg = 0.0) {
   const Eigen::AngleAxisd down(std::numbers::pi + tilt_deg * std::numbers::pi / 180.0,
                                Eigen::Vector3d::UnitX());
   for (double t = 0.0; t < 1.0; t += kDt)
-    map.press({{-0.05 + kSpeed * t, 0.0, 0.0}, down.toRotationMatrix()}, kForce, kSpeed, t, kDt);
+    map.press({{-0.05 + kSpeed * t, 0.0, 0.0}, down.toRotationMatrix()}, kForce,
+              {kSpeed, 0.0, sinks}, t, kDt);
   return map;
 }
 
@@ -52,6 +53,13 @@ TEST(TreatmentMap, DoesNotDependOnTheHeightOfItsGrid) {
     for (std::size_t v = 0; v < off.grid().size(); ++v)
       ASSERT_NEAR(off.dose(v), right.dose(v), 0.01 * right.dose(3080)) << height;
   }
+}
+
+// Preston's speed is that of sliding.
+TEST(TreatmentMap, RemovesNothingWhileItIsSetDown) {
+  const TreatmentMap level = after_a_line(0.0), sinking = after_a_line(0.0, 0.0, -2.0 * kSpeed);
+  for (std::size_t v = 0; v < level.grid().size(); ++v)
+    ASSERT_NEAR(sinking.dose(v), level.dose(v), 1e-9 * level.dose(3080));
 }
 
 // Tilted by θ, the pressure falls from one side to the other by 2 k r θ, about the same mean.

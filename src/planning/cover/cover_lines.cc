@@ -14,10 +14,10 @@ namespace {
 using Line = std::vector<Eigen::Vector2d>;
 
 constexpr double kKnots = 3e-3;  // between the points of a line [m]
-// Distances of a row's end, and of the row beside the border, from the border of the centres, in
-// radii; the length that a bend takes off a row's end, in spacings; the share by which rows may be
-// spread: docs/decisions/0045.
-constexpr double kRowEnd = 0.35, kFirstRow = 0.5, kBendWay = 0.65, kSpread = 0.05;
+// Distances of a row's end, and of the row beside it, from where rows are even, in radii; the
+// length that a bend takes off a row's end, in spacings; the share by which rows may be spread; the
+// width in radii that the lines along a border cannot treat: docs/decisions/0045.
+constexpr double kRowEnd = 0.1, kFirstRow = 0.25, kBendWay = 0.65, kSpread = 0.05, kRim = 0.48;
 
 double length_of(const SurfaceGrid& g, const Line& line) {
   double sum = 0.0;
@@ -189,6 +189,21 @@ void start_within(const SurfaceGrid& g, const std::vector<double>& field, Line* 
   line->push_back(line->front());
 }
 
+// Distances of rings from the border, of lines that are `spacing` apart further in, in radii.
+// The most even density of way has gaps of kGap behind the line on the border and a radius from it,
+// and grows towards the next gap (setup/cover_floor.py).
+std::vector<double> ring_distances(double spacing) {
+  constexpr double kGap = 0.3, kWays = 0.95, kGrowth = 1.7;
+  std::vector<double> at;
+  const auto fill = [&](double from, double n) {
+    for (double k = 0.5; k < n; ++k)
+      at.push_back(from + kGap + (1.0 - kGap) * (1.0 - std::pow(1.0 - k / n, kGrowth)));
+  };
+  fill(0.0, std::ceil(kWays / spacing));
+  fill(1.0, std::floor(kWays / spacing));
+  return at;
+}
+
 }  // namespace
 
 PressedFoot::PressedFoot(const SurfaceGrid& g, const Eigen::Vector3d& centre, const Footprint& foot)
@@ -234,22 +249,31 @@ Centres footprint_centres(const SurfaceGrid& g, const CoverWish& wish) {
   return c;
 }
 
-CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const CoverWish& wish) {
+CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const CoverWish& wish,
+                       Layout layout) {
   CoverLines found;
-  const double radius = wish.footprint.radius;
+  const double radius = wish.footprint.radius, spacing_r = wish.spacing / radius;
+  const auto along_border = [&](double distance, long rounds) {
+    for (const Line& line : level_lines(g, centres.clearance, distance)) {
+      if (length_of(g, line) <= radius) continue;
+      Line once = smoothed(line);
+      start_within(g, centres.within_reach, &once);
+      Line& pass = found.passes.emplace_back(once);
+      for (long k = 1; k < rounds && is_closed(once); ++k)
+        pass.insert(pass.end(), once.begin() + 1, once.end());
+    }
+  };
   // A place on the border lacks half of the rows that others have: denser rows, more rounds.
-  const long rounds = std::max(1L, std::lround(0.62 * radius / wish.spacing));
-  for (const Line& line : level_lines(g, centres.clearance, 0.0)) {
-    if (length_of(g, line) <= radius) continue;
-    Line once = smoothed(line);
-    start_within(g, centres.within_reach, &once);
-    Line& pass = found.passes.emplace_back(once);
-    for (long k = 1; k < rounds && is_closed(once); ++k)
-      pass.insert(pass.end(), once.begin() + 1, once.end());
-  }
+  const long rounds = std::max(1L, std::lround(0.62 / spacing_r));
+  along_border(0.0, rounds);
   found.edges = found.passes.size();
+  std::vector<double> rings;
+  if (layout == Layout::rings) rings = ring_distances(spacing_r);
+  for (const double distance : rings) along_border(distance * radius, 1);
 
-  const double inner = kFirstRow * radius;
+  // Where rows are even that go on beyond: as far in as the lines before them treat, less the rim.
+  const double even = static_cast<double>(rounds + std::ssize(rings)) * spacing_r - kRim;
+  const double inner = (even + kFirstRow) * radius;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   double n = 0.0;
   for (std::size_t v = 0; v < g.size(); ++v)
@@ -271,7 +295,8 @@ CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const Cover
   std::vector<Row> rows;
   for (int k = 0; k < count; ++k)
     for (const Line& whole : level_lines(g, across, first + k * spacing))
-      for (Line& part : parts_above(g, centres.clearance, kRowEnd * radius, smoothed(whole)))
+      for (Line& part :
+           parts_above(g, centres.clearance, (even + kRowEnd) * radius, smoothed(whole)))
         if (length_of(g, part) > 0.2 * radius)
           rows.push_back({k, resampled(shortened(part, kBendWay * wish.spacing), kKnots)});
   found.rows = rows.size();

@@ -4,6 +4,8 @@
 //           δ + h_i > 0 for at least kTouching of its places, δ the mean compression of its foam,
 //           h_i the height of place i over the footprint's plane
 // Edge      a closed line along the border of the centres, more than one round where rows are dense
+// Rings     more lines along the border, where the layout has them: closed, none where the area is
+//           narrow
 // Rows      level sets of the distance from a line across the middle (surface_grid.h), `spacing`
 //           apart on the surface or less, so that the outer ones lie beside the edge's line
 // Passes    the edge's lines, then the rows there and back, joined by bends as wide as their
@@ -66,10 +68,13 @@ Centres footprint_centres(const SurfaceGrid& grid, const CoverWish& wish);
 
 struct CoverLines {
   std::vector<std::vector<Eigen::Vector2d>> passes;  // in the plane [m]
-  std::size_t edges = 0;                             // the first passes, along the border
+  std::size_t edges = 0;                             // the first passes, on the border
   std::size_t rows = 0;                              // lines that are level sets
 };
-CoverLines cover_lines(const SurfaceGrid& grid, const Centres& centres, const CoverWish& wish);
+// Which leaves less uneven depends on the area.
+enum class Layout { rows, rings };
+CoverLines cover_lines(const SurfaceGrid& grid, const Centres& centres, const CoverWish& wish,
+                       Layout layout = Layout::rows);
 
 // The cubic B-spline with these control points, by points at most `step` apart: its curvature is
 // continuous, and it stays in their convex hull. It has the line's ends, or stays closed.

@@ -15,6 +15,8 @@ using Line = std::vector<Vector2d>;
 
 constexpr int kRounds = 60, kSmoothings = 6;
 constexpr double kMost = 1e-3, kLeast = 2e-5, kFirst = 0.5e-3;  // of a round's moves [m]
+constexpr double kMomentum = 0.8;  // share of the way of the round before that a round goes on
+constexpr double kLongest = 2.0;   // of a knot's way, over the RMS of all: else few hold all back
 
 struct Unevenness {
   std::vector<double> e_area;  // of each vertex: e dA
@@ -112,35 +114,45 @@ Vector2d onto_centres(const SurfaceGrid& g, const std::vector<double>& clearance
 
 }  // namespace
 
-void even_lines(const SurfaceGrid& g, const std::vector<double>& clearance, const Footprint& foot,
-                const std::vector<char>& places, std::size_t fixed, PlaneLines* lines) {
+double even_lines(const SurfaceGrid& g, const std::vector<double>& clearance, const Footprint& foot,
+                  const std::vector<char>& places, std::size_t fixed, PlaneLines* lines) {
   std::vector<double> area(g.size());
   for (std::size_t v = 0; v < g.size(); ++v) area[v] = places[v] ? g.area(v) : 0.0;
   Unevenness u = unevenness(g, area, dose_of(g, *lines, foot));
   double most = kFirst;
+  PlaneLines before;
   for (int round = 0; round < kRounds && most > kLeast; ++round) {
     PlaneLines ways(lines->size());
-    double largest = 0.0;
+    double squares = 0.0, knots = 0.0;
     for (std::size_t l = fixed; l < lines->size(); ++l) {
       ways[l] = uphill(g, u, (*lines)[l], foot);
-      for (const Vector2d& way : ways[l]) largest = std::max(largest, way.norm());
+      for (std::size_t i = 0; i < ways[l].size(); ++i) {
+        if (!before.empty()) ways[l][i] += kMomentum * before[l][i];
+        squares += ways[l][i].squaredNorm(), knots += 1.0;
+      }
     }
-    if (!(largest > 0.0)) return;
+    if (!(squares > 0.0)) break;
+    const double longest = kLongest * std::sqrt(squares / knots);
     PlaneLines moved = *lines;
     for (std::size_t l = fixed; l < lines->size(); ++l)
       for (std::size_t i = 0; i < ways[l].size(); ++i) {
+        Vector2d& way = ways[l][i];
+        way *= longest / std::max(longest, way.norm());
         const Vector2d& p = (*lines)[l][i];
-        moved[l][i] = onto_centres(g, clearance, p - most / largest * ways[l][i], p);
+        moved[l][i] = onto_centres(g, clearance, p - most / longest * way, p);
       }
     Unevenness after = unevenness(g, area, dose_of(g, moved, foot));
     if (after.rms < u.rms) {
       u = std::move(after);
       *lines = std::move(moved);
+      before = std::move(ways);
       most = std::min(1.2 * most, kMost);
     } else {
+      before.clear();
       most *= 0.6;
     }
   }
+  return u.rms;
 }
 
 }  // namespace impedraw

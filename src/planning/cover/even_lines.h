@@ -4,8 +4,8 @@
 //   ∂E/∂c  ∝ w ∇m − m u,  m = ∫ e p dA under the footprint         of a knot c
 //
 // w: way at the knot, u: along the line, which gets longer where it bends, p: pressure over its
-// mean (cover_lines.h). ∇m: by differences along the surface. The rounds descend on E, smoothed
-// along the lines, by at most kMost each. No knot leaves the centres.
+// mean (cover_lines.h). ∇m: by differences along the surface. The rounds descend on E with
+// momentum, smoothed along the lines, by at most kMost each. No knot leaves the centres.
 #pragma once
 
 #include "impedraw/planning/cover/even_forces.h"
@@ -13,8 +13,9 @@
 namespace impedraw {
 
 // `clearance`: of the centres (cover_lines.h). The first `fixed` lines stay where they are.
-void even_lines(const SurfaceGrid& grid, const std::vector<double>& clearance,
-                const Footprint& foot, const std::vector<char>& places, std::size_t fixed,
-                PlaneLines* lines);
+// Returns the coefficient of variation that is left, √(E / area).
+double even_lines(const SurfaceGrid& grid, const std::vector<double>& clearance,
+                  const Footprint& foot, const std::vector<char>& places, std::size_t fixed,
+                  PlaneLines* lines);
 
 }  // namespace impedraw

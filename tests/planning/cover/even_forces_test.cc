@@ -95,12 +95,12 @@ struct Covered {
   CoverLines lines;
   std::vector<char> promised, inner;
 
-  explicit Covered(double spacing) {
+  explicit Covered(double spacing, Layout layout = Layout::rows) {
     CoverWish wish;
     wish.footprint = {kPad, 3.5e-3, 0.01};
     wish.spacing = spacing;
     centres = footprint_centres(g, wish);
-    lines = cover_lines(g, centres, wish);
+    lines = cover_lines(g, centres, wish, layout);
     promised = swept(g, lines.passes, kPad - 5e-4);
     inner = inside_by(g, promised, kPad);
   }
@@ -121,6 +121,20 @@ TEST(EvenLines, MakeTheDoseEvenToTheBorder) {
     const std::vector<char> after = swept(c.g, c.lines.passes, kPad - 5e-4);
     EXPECT_GT(area_of(c.g, after), 0.999 * area_of(c.g, c.promised)) << spacing;
   }
+}
+
+// On a square of 160 mm rings follow what the border wants of the density of way. With lines that
+// are further apart rows are as even.
+TEST(EvenLines, RingsBesideTheBorderLeaveLessUneven) {
+  Covered rows(0.0054), rings(0.0054, Layout::rings);
+  const auto evened = [](Covered* c) {
+    const double left =
+        even_lines(c->g, c->centres.clearance, kFoot, c->inner, c->lines.edges, &c->lines.passes);
+    EXPECT_NEAR(left, cv(c->g, dose_of(c->g, c->lines.passes, kFoot), c->inner), 1e-3);
+    return left;
+  };
+  EXPECT_GT(rings.lines.passes.size(), rows.lines.passes.size());
+  EXPECT_LT(evened(&rings), 0.95 * evened(&rows));
 }
 
 // One row that lies beside its place goes back to it.
