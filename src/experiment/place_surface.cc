@@ -29,7 +29,6 @@ constexpr int kChecked = 20, kWhole = 3,
               kInVain = 12;  // places: checked; that suffice; since the best one
 constexpr double kAll = 0.999, kPromising = 0.95;
 constexpr std::size_t kOthers = 5;  // planes, where the given one does not do
-constexpr double kTilted = 0.01;    // what they must be better by
 constexpr double kHopeless = 5.0;   // cost of those that are not tried
 constexpr double kAlmost = 0.85;    // share from which on a place is moved a little
 constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
@@ -77,13 +76,6 @@ std::vector<std::string> assignments_of(const PlacementSettings& s, const Placem
   return sets;
 }
 
-// drawing.tilt of a plane with the normal z. No yaw: the search turns the drawing. Without negative
-// zeros, which would be printed.
-Vector3d tilt_towards(const Vector3d& z) {
-  return {std::round(-std::asin(z.y()) / kDegree) + 0.0,
-          std::round(std::atan2(z.x(), z.z()) / kDegree) + 0.0, 0.0};
-}
-
 // The pens along a drawing at a place, W, as far as there is a surface.
 std::vector<PenPlacement> pens_along(const std::vector<Vector2d>& drawing, const PlaceFound& place,
                                      const SurfaceHeight& surface, const Pose& X_WP) {
@@ -111,6 +103,11 @@ struct Checked {
 };
 
 }  // namespace
+
+Vector3d tilt_towards(const Vector3d& z) {
+  return {std::round(-std::asin(z.y()) / kDegree) + 0.0,
+          std::round(std::atan2(z.x(), z.z()) / kDegree) + 0.0, 0.0};
+}
 
 struct PlaceBench::Parts {
   Parts(const Scenario& scenario, const Places& places) : errors(places), s(scenario) {}
@@ -148,7 +145,8 @@ struct PlaceBench::Parts {
   Pose X_WP;
   std::shared_ptr<Scene> scene;
   std::optional<Belief> belief;              // the scene's, before this drawing plane
-  std::optional<PlaceSearch> search, fresh;  // fresh: nothing failed yet
+  std::string near;                          // the wish
+  std::optional<PlaceSearch> search, fresh;  // see looked(); fresh: nothing failed yet
   Placing placing;
   std::vector<std::vector<Vector2d>> strokes;
   std::vector<Vector2d> drawing;  // points spaced evenly along the strokes, about their middle
@@ -161,7 +159,14 @@ struct PlaceBench::Parts {
   };
   std::map<std::array<double, 4>, Verdict> verdicts;  // by centre, turn and scale
 
+  // Looks at the surface when it is asked: to move a known place a little, it need not.
+  PlaceSearch& looked() {
+    if (!search) search = fresh.emplace(belief->surface, search_settings(s, *belief, X_WP, near));
+    return *search;
+  }
+
   void improve(Checked* best);
+  SurfacePlace result(const Checked& found) const;
   double lean(const Vector3d& normal, const SurfaceWish& wish, Scenario* there) const;
 
   const Verdict& verdict(const PlacementSettings& at) {
@@ -220,9 +225,7 @@ PlaceBench::PlaceBench(const Scenario& scenario, const Places& places, const Sur
         "--place surface: nothing is known of the surface; valid is perception.enabled: true, or "
         "blind.height: canvas");
 
-  parts_->search.emplace(belief.surface, search_settings(s, belief, X_WP, wish.near));
-  parts_->fresh = parts_->search;
-
+  parts_->near = wish.near;
   parts_->placing = {s.drawing.placement, artwork.shape.drawn, artwork.placement, {}};
   Eigen::AlignedBox2d box;
   for (const PlacedStroke& stroke : artwork.strokes)
@@ -238,7 +241,7 @@ PlaceBench::PlaceBench(const Scenario& scenario, const Places& places, const Sur
 PlaceBench::~PlaceBench() = default;
 const Scenario& PlaceBench::scenario() const { return parts_->s; }
 const Pose& PlaceBench::X_WP() const { return parts_->X_WP; }
-const PlaceSearch& PlaceBench::search() const { return *parts_->search; }
+const PlaceSearch& PlaceBench::search() const { return parts_->looked(); }
 const std::vector<std::vector<Vector2d>>& PlaceBench::strokes() const { return parts_->strokes; }
 
 const TriangleMesh* PlaceBench::known_mesh() const {
@@ -267,7 +270,7 @@ PlaceBench::QuickCheck PlaceBench::check(const PlaceFound& place) const {
   const double each = found.length / static_cast<double>(parts_->drawing.size());
   double lost = 0.0;
   for (const Vector2d& p : parts_->drawing) {
-    const CellTrouble trouble = parts_->search->trouble(place(p));
+    const CellTrouble trouble = parts_->looked().trouble(place(p));
     if (trouble == CellTrouble::none) continue;
     found.lost[trouble] += each;
     lost += each;
@@ -331,13 +334,15 @@ double PlaceBench::Parts::lean(const Vector3d& normal, const SurfaceWish& wish,
   return look.best(drawing, 1.0, {}).cost;
 }
 
-std::vector<Scenario> PlaceBench::others(const SurfaceWish& wish) const {
+std::vector<Scenario> PlaceBench::others(const SurfaceWish& wish,
+                                         const std::vector<double>& leans_deg) const {
   constexpr int kSides = 8;
-  const Parts& p = *parts_;
+  Parts& p = *parts_;
   std::vector<std::pair<double, Scenario>> found;
   for (int k = 0; p.belief->planning && k < kSides; ++k) {
-    for (const double lean : {35.0 * kDegree, 65.0 * kDegree}) {
-      const double side = 2.0 * std::numbers::pi * k / kSides;
+    for (const double lean_deg : leans_deg) {
+      if (lean_deg == 0.0 && k > 0) continue;  // the same to all sides
+      const double side = 2.0 * std::numbers::pi * k / kSides, lean = lean_deg * kDegree;
       Scenario there = p.s;
       const double cost =
           p.lean({std::sin(lean) * std::cos(side), std::sin(lean) * std::sin(side), std::cos(lean)},
@@ -348,7 +353,7 @@ std::vector<Scenario> PlaceBench::others(const SurfaceWish& wish) const {
   std::sort(found.begin(), found.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
   // Places that failed in this plane are avoided there.
-  const double here = p.search->best(p.drawing, 1.0, {}).cost;
+  const double here = p.looked().best(p.drawing, 1.0, {}).cost;
   std::vector<Scenario> others;
   for (auto& [cost, other] : found)
     if (others.size() < kOthers && cost < std::min(here, kHopeless))
@@ -378,8 +383,10 @@ void PlaceBench::Parts::improve(Checked* best) {
 }
 
 SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
-                                    const std::function<void(double)>& progress) {
+                                    const std::function<void(double)>& progress,
+                                    std::vector<SurfacePlace>* behind) {
   Parts& parts = *parts_;
+  parts.looked();
   parts.search = parts.fresh;
   Checked best;
   std::vector<PlaceFound> tried;
@@ -400,70 +407,43 @@ SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
       parts.search->avoid(verdict.failed);
       whole += checked.share >= kAll;
       ++in_vain;
-      if (!checked.better_than(best)) continue;
+      const bool better = checked.better_than(best);
+      const Checked& less = better ? best : checked;
+      if (behind && less.share >= kRefinable) behind->push_back(parts.result(less));
+      if (!better) continue;
       best = checked;
       in_vain = 0;
     }
     parts.improve(&best);
     if (!wish.shrink || best.share >= kNearlyAll) break;
   }
-  SurfacePlace result;
   if (!(best.share > 0.0)) {  // the given place, whatever the search thinks of it
     best = {given(), parts.placing.at(given())};
     best.share = parts.verdict(best.placement).share;
   }
-  if (!(best.share > 0.0)) return result;
-  result.scenario = parts.s;
+  return best.share > 0.0 ? parts.result(best) : SurfacePlace();
+}
+
+SurfacePlace PlaceBench::Parts::result(const Checked& best) const {
+  SurfacePlace result;
+  result.place = best.place;
+  result.scenario = s;
   result.scenario.drawing.placement = best.placement;
   const Vector2d& middle = best.place.middle;
-  const auto under = parts.belief->surface(middle.x(), middle.y());
-  result.p_W = parts.X_WP * (under ? under->p_P : Vector3d(middle.x(), middle.y(), 0.0));
+  const auto under = belief->surface(middle.x(), middle.y());
+  result.p_W = X_WP * (under ? under->p_P : Vector3d(middle.x(), middle.y(), 0.0));
   result.turn_deg = best.place.turn_deg;
   result.share = best.share;
-  const Placement final_placement = place(parts.placing.drawn, best.placement);
-  result.size_mm = final_placement.scale() * bounds_of(parts.placing.drawn.strokes).sizes();
-  result.assignments =
-      assignments_of(best.placement, parts.placing.given, parts.s, parts.moved, parts.started);
+  const Placement final_placement = place(placing.drawn, best.placement);
+  result.size_mm = final_placement.scale() * bounds_of(placing.drawn.strokes).sizes();
+  result.assignments = assignments_of(best.placement, placing.given, s, moved, started);
   return result;
 }
 
-SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
-                              const SurfaceWish& wish,
-                              const std::function<void(double)>& progress) {
-  const auto between = [&progress](double from, double to) {
-    return [&progress, from, to](double share) {
-      if (progress) progress(from + share * (to - from));
-    };
-  };
-  between(0.0, 0.1)(0.0);  // a capture's views take seconds to be put onto each other
-  const auto level = std::make_shared<PlaceBench>(scenario, places, wish);
-  SurfacePlace best = level->best_place(wish, between(0.1, 0.4));
-  best.bench = level;
-  double from = 0.5;
-  std::vector<Scenario> others;
-  if (best.share < kNearlyAll && scenario.drawing.tilt_deg.isZero()) others = level->others(wish);
-  for (const Scenario& other : others) {
-    if (best.share >= kNearlyAll) break;
-    try {
-      const auto bench = std::make_shared<PlaceBench>(other, places, wish, level.get());
-      SurfacePlace found = bench->best_place(wish, between(from, from + 0.1));
-      found.bench = bench;
-      if (found.share > best.share + kTilted) best = std::move(found);
-    } catch (const InputError&) {  // no posture to start from, for example
-    }
-    from += 0.5 / kOthers;
-  }
-  if (!(best.share > 0.0))
-    throw InputError("--place surface: the drawing cannot be drawn at any place that was tried");
-  return best;
-}
-
-std::optional<Vector2d> whole_size_mm(const SurfaceWish& wish, const SurfacePlace& found,
-                                      const std::function<void(double)>& progress) {
-  if (found.share >= kNearlyAll || wish.shrink) return {};
-  const SurfacePlace whole = found.bench->best_place({wish.near, true}, progress);
-  if (whole.share < kNearlyAll) return {};
-  return whole.size_mm;
+SurfacePlace PlaceBench::at(const PlaceFound& place) const {
+  Checked there{place, parts_->placing.at(place)};
+  there.share = parts_->verdict(there.placement).share;
+  return parts_->result(there);
 }
 
 }  // namespace impedraw

@@ -5,7 +5,9 @@
 // pass the whole pre-flight; where it fails, further candidates keep off. The best one is moved a
 // little where that lets more be drawn. Where the level drawing plane has no place for the whole,
 // planes that lean by 35° or 65° to one of eight sides are tried: an object's sides are drawn on,
-// too. A plane that the scenario tilts stays.
+// too; then the level one again with the start above the place, and leans of 20°, 50° and 90°. The
+// best places of all are moved, turned and leant as long as more can be drawn. A plane that the
+// scenario tilts stays.
 #pragma once
 
 #include <functional>
@@ -30,6 +32,7 @@ struct SurfaceWish {
 
 // Share of a drawing's length: where more of it can be drawn, no better place is looked for.
 inline constexpr double kNearlyAll = 0.98;
+inline constexpr double kRefinable = 0.7;  // from here on the drawing plane is leant further
 
 struct SurfacePlace {
   Scenario scenario;  // as given but for drawing.placement and, where it was level, drawing.tilt
@@ -37,9 +40,14 @@ struct SurfacePlace {
   double turn_deg = 0.0;                              // from the given one
   Eigen::Vector2d size_mm = Eigen::Vector2d::Zero();  // across and down the page, on the canvas
   double share = 0.0;                                 // of the drawing's length that can be drawn
+  PlaceFound place;                                   // in the drawing plane
   std::vector<std::string> assignments;               // settings that put it there again
   std::shared_ptr<class PlaceBench> bench;            // on which it was found
 };
+
+// drawing.tilt of a plane with the normal z. No yaw: the search turns the drawing. Without negative
+// zeros, which would be printed.
+Eigen::Vector3d tilt_towards(const Eigen::Vector3d& z);
 
 // A surface that was looked at once, on which the drawing is tried at place after place.
 class PlaceBench {
@@ -74,11 +82,13 @@ class PlaceBench {
   double share_of_plan(const PlaceFound& place) const;
 
   // The best place in this drawing plane; with a share of 0 if there is none. What it was asked
-  // before costs no time again.
-  SurfacePlace best_place(const SurfaceWish& wish, const std::function<void(double)>& progress);
-  // The scenario with other drawing planes, and starts of the arm before them, which promise more
-  // than what best_place() left of this one; the best first, none without a cloud.
-  std::vector<Scenario> others(const SurfaceWish& wish) const;
+  // before costs no time again. `behind`: gets others that were tried, from kRefinable on.
+  SurfacePlace best_place(const SurfaceWish& wish, const std::function<void(double)>& progress,
+                          std::vector<SurfacePlace>* behind = nullptr);
+  SurfacePlace at(const PlaceFound& place) const;  // without a bench, as best_place()
+  // The scenario with other drawing planes, which lean so, and starts of the arm before them, which
+  // promise more than what best_place() left of this one; the best first, none without a cloud.
+  std::vector<Scenario> others(const SurfaceWish& wish, const std::vector<double>& leans_deg) const;
 
  private:
   struct Parts;

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
+#include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/planning/preflight/place_search.h"
 #include "scratch_folder.h"
@@ -220,43 +221,59 @@ TEST_F(PlaceSurface, MovesALittleWhereWaysMeetALimit) {
   EXPECT_GT(place_on_surface(can, {}, {}).share, 0.99);
 }
 
-// A board that faces the arm's base, its middle where the arm reaches: from the usual start the way
-// there leads past the end of a joint's range.
-TEST_F(PlaceSurface, StartsTheArmBeforeASideThatFacesIt) {
-  const Vector3d z = Vector3d(-0.92, -0.3, -0.25).normalized(),
-                 x = z.cross(Vector3d::UnitZ()).normalized(), y = z.cross(x),
-                 middle(0.62, -0.1, 0.22);
-  std::ofstream file(folder_ / "board.xyz");
-  for (int i = -40; i <= 40; ++i)
-    for (int j = -25; j <= 25; ++j) file << (middle + 2e-3 * (i * x + j * y)).transpose() << '\n';
-  file.close();
-  std::ofstream mesh(folder_ / "board.obj");
-  for (const double i : {-0.08, 0.08})
-    for (const double j : {-0.05, 0.05})
-      mesh << "v " << (middle + i * x + j * y).transpose() << '\n';
-  mesh << "f 1 3 4 2\n";
-  mesh.close();
-  const Vector3d eye = middle + 0.5 * z;
-  DrawOptions options;
-  options.text = "Hello";
-  options.assignments = {
-      "canvas.kind=mesh",
-      "drawing.placement.width=100",
-      "perception.source=cloud",
-      "canvas.mesh.file=" + (folder_ / "board.obj").string(),
-      "perception.cloud=" + (folder_ / "board.xyz").string(),
-      fmt::format("perception.viewpoint=[{}, {}, {}]", eye.x(), eye.y(), eye.z())};
+class PlaceOnBoard : public PlaceSurface {
+ protected:
+  const Vector3d z_ = Vector3d(-0.92, -0.3, -0.25).normalized();
+  const Vector3d middle_{0.62, -0.1, 0.22};  // where the arm reaches
+
+  // "Hello" before a board that faces the arm's base, seen as a cloud.
+  DrawOptions facing(double width, double height) const {
+    const Vector3d x = z_.cross(Vector3d::UnitZ()).normalized(), y = z_.cross(x);
+    std::ofstream cloud(folder_ / "board.xyz");
+    for (double i = -width / 2; i <= width / 2 + 1e-9; i += 2e-3)
+      for (double j = -height / 2; j <= height / 2 + 1e-9; j += 2e-3)
+        cloud << (middle_ + i * x + j * y).transpose() << '\n';
+    std::ofstream mesh(folder_ / "board.obj");
+    for (const double i : {-width / 2, width / 2})
+      for (const double j : {-height / 2, height / 2})
+        mesh << "v " << (middle_ + i * x + j * y).transpose() << '\n';
+    mesh << "f 1 3 4 2\n";
+    const Vector3d eye = middle_ + 0.5 * z_;
+    DrawOptions options;
+    options.text = "Hello";
+    options.assignments = {
+        "canvas.kind=mesh",
+        "drawing.placement.width=100",
+        "perception.source=cloud",
+        "canvas.mesh.file=" + (folder_ / "board.obj").string(),
+        "perception.cloud=" + (folder_ / "board.xyz").string(),
+        fmt::format("perception.viewpoint=[{}, {}, {}]", eye.x(), eye.y(), eye.z())};
+    return options;
+  }
+};
+
+// From the usual start the way there leads past the end of a joint's range.
+TEST_F(PlaceOnBoard, StartsTheArmBeforeASideThatFacesIt) {
+  DrawOptions options = facing(0.16, 0.1);
   const SurfacePlace found = place_on_surface(resolve(options), {}, {});
   EXPECT_GT(found.share, 0.98);
   EXPECT_LT(found.p_W.x(), 0.65);
   const Eigen::Vector3d start = found.scenario.arm.start_p_WE;
-  EXPECT_GT(z.dot(start - found.p_W), 0.02);
+  EXPECT_GT(z_.dot(start - found.p_W), 0.02);
   EXPECT_LT((start - found.p_W).norm(), 0.15);
   // The printed settings repeat it.
   options.assignments.insert(options.assignments.end(), found.assignments.begin(),
                              found.assignments.end());
   EXPECT_EQ(resolve(options).arm.start_p_WE, start);
   EXPECT_TRUE(prepare_plan(resolve(options)).plan.preflight.findings.empty());
+}
+
+// A board hardly larger than the drawing, which planes of 65° see too narrow.
+TEST_F(PlaceOnBoard, LeansThePlaneUntilTheWholeFits) {
+  const SurfacePlace found = place_on_surface(resolve(facing(0.11, 0.042)), {}, {});
+  EXPECT_GE(found.share, kNearlyAll);
+  EXPECT_GT((drawing_frame(found.scenario.drawing).R.col(2)).dot(z_),
+            std::cos(20.0 * std::numbers::pi / 180.0));
 }
 
 TEST_F(PlaceSurface, RefusesAWishThatMeansNothing) {
