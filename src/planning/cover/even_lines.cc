@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Line = std::vector<Vector2d>;
 
-constexpr int kRounds = 60, kSmoothings = 6;
+constexpr int kRounds = 100, kSmoothings = 5;
 constexpr double kMost = 1e-3, kLeast = 2e-5, kFirst = 0.5e-3;  // of a round's moves [m]
 constexpr double kMomentum = 0.8;  // share of the way of the round before that a round goes on
 constexpr double kLongest = 2.0;   // of a knot's way, over the RMS of all: else few hold all back

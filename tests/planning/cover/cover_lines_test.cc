@@ -180,7 +180,7 @@ TEST(CoverLines, LetThePathKeepItsSpeed) {
     return plan_tip_path(strokes, height, settings).mean_speed();
   };
   EXPECT_LT(mean_speed(false), 0.075);
-  EXPECT_GT(mean_speed(true), 0.080);
+  EXPECT_GT(mean_speed(true), 0.078);
 }
 
 TEST(CoverLines, KeepOffAHole) {
