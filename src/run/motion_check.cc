@@ -177,7 +177,7 @@ void ReadingsThatStand::update_stops(const MotionReading& now, const MotionLimit
                         now.dt;
     const auto changed = (now.torque - torque_).cwiseAbs() + (now.external - external_).cwiseAbs();
     const auto friction = (kFriction * limits.torque).cwiseMax(kLeastFriction);
-    if ((stops.array().abs() > kCreeps).count() >= kTogether ||
+    if (((stops.array() != 0.0).count() >= kTogether && stops.cwiseAbs().maxCoeff() > kCreeps) ||
         (needed - changed - friction).maxCoeff() > 0.0)
       stopped_ = (stops.array() != 0.0).select(stops, stopped_);
   }

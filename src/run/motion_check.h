@@ -22,10 +22,10 @@
 //             speed of the last 5 readings and of what their last change leads to, all in one
 //             direction, less twice the least change of q_j that was ever read, and for one joint k
 //             |M v̄|_k/Δt > |Δτ_k| + |Δτ_ext,k| + max(1.5 Nm, 0.02 τ_max,k), also less the change
-//             of the other joints' speeds, or three joints stop within the same reading that did
-//             not creep, below 1 mrad/s. The last torque is what dry friction gains as a joint
-//             comes to rest; it does not stop three slow ones at once. A joint that really stops
-//             takes the others along.
+//             of the other joints' speeds, or three joints stop within the same reading of which
+//             one did not creep, below 1 mrad/s. The last torque is what dry friction gains as a
+//             joint comes to rest; it does not stop three slow ones at once. A joint that really
+//             stops takes the others along.
 //
 // Values that are not finite are not judged here: whoever reads it says so.
 #pragma once
