@@ -120,7 +120,8 @@ void require_centres(const CoverPlan& plan, const Scenario& s, const SettingErro
                   width, 1e3 * plan.wish.margin, drawn ? "in cover.region" : "on the canvas"));
 }
 
-void note_rest(double max_slope_deg, CoverPlan* cover) {
+// `refused`: lines were left out.
+void note_rest(double max_slope_deg, bool refused, CoverPlan* cover) {
   const CoverPlan& plan = *cover;
   const SurfaceGrid& g = plan.grid;
   const std::vector<char>& region = plan.wish.region;
@@ -141,7 +142,7 @@ void note_rest(double max_slope_deg, CoverPlan* cover) {
         "{:.1f} of {:.1f} cm² are not covered: within the pad's margin of an edge or a hole, or "
         "where the pad's face does not touch as a whole{}",
         cm2 * rest, cm2 * plan.centres.wanted,
-        plan.centres.within_reach.empty() ? "" : ", or where the arm does not reach"));
+        refused ? ", or where the arm does not reach or the pre-flight refuses the surface" : ""));
 }
 
 std::vector<char> inner_places(const CoverPlan& plan, const PlaneLines& lines) {
@@ -150,7 +151,7 @@ std::vector<char> inner_places(const CoverPlan& plan, const PlaneLines& lines) {
 }
 
 // Promises what the lines cover, and evens out their forces.
-void promise(const Scenario& s, const std::vector<char>& inner, CoverPlan* cover) {
+void promise(const Scenario& s, const std::vector<char>& inner, bool refused, CoverPlan* cover) {
   CoverPlan& plan = *cover;
   const PlaneLines& lines = plan.lines.passes;
   plan.promised_area =
@@ -159,7 +160,7 @@ void promise(const Scenario& s, const std::vector<char>& inner, CoverPlan* cover
   for (auto& pass : plan.forces)
     for (double& f : pass) f *= s.control.normal_force;
   plan.notes.clear();
-  note_rest(s.preflight.max_slope_deg, cover);
+  note_rest(s.preflight.max_slope_deg, refused, cover);
 }
 
 // On the plan's centres, in the layout that is more even.
@@ -182,7 +183,7 @@ void lay_lines(const Scenario& s, CoverPlan* cover) {
   Laid& better = laid[1].uneven < laid[0].uneven ? laid[1] : laid[0];
   plan.lines = std::move(better.lines);
   for (auto& pass : plan.lines.passes) pass = rounded(pass, kExact);
-  promise(s, better.inner, cover);
+  promise(s, better.inner, !plan.centres.within_reach.empty(), cover);
 }
 
 std::vector<Eigen::Vector2d> line_of(const PlacedArtwork& artwork, const StrokePart& part) {
@@ -293,7 +294,7 @@ bool keep_drawn(const Scenario& s, const PlannedDrawing& drawing, CoverPlan* pla
   }
   lines.passes = std::move(kept);
   lines.edges = edges;
-  promise(s, inner_places(*plan, lines.passes), plan);
+  promise(s, inner_places(*plan, lines.passes), true, plan);
   return true;
 }
 
