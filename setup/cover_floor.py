@@ -22,7 +22,7 @@ from cover_reach import DEPTH, RADIUS, Surface
 
 STEP = 0.02
 # What a promise keeps off the pad's rim; what the program's distances are short of [m].
-ASTRAY, HALF_STEP = 0.5e-3, 0.75e-3
+ASTRAY, HALF_STEP = 0.25e-3, 0.75e-3
 
 
 def cv(dose, weight):

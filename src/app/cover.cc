@@ -274,15 +274,12 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
       cut = cut_within;
     }
   }
-  if (cut) lay(plan, laid_in, 0.7);
-  if (begun) {
-    if (begun_along != cover_strokes(plan, scenario))
-      throw InputError(
-          fmt::format("--resume: the area in {} was begun along other lines; use the same settings",
-                      folder.string()));
-    lay(plan, strokes, 0.8);
-    fs::remove(draft);
-  }
+  fs::remove(draft);
+  if (begun && begun_along != cover_strokes(plan, scenario))
+    throw InputError(
+        fmt::format("--resume: the area in {} was begun along other lines; use the same settings",
+                    folder.string()));
+  if (cut || begun) lay(plan, strokes, 0.7);
   for (const std::string& note : plan.notes) say(stderr, "note: {}\n", note);
   line.reset();
   Prepared& experiment = *laid;

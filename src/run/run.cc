@@ -72,8 +72,9 @@ std::map<std::string, double> given_up(const Experiment& e, const std::vector<St
 bool writes(const Experiment& e, ContactMode mode, double normal_force, double push) {
   const ImpedanceSettings& control = e.control.impedance;
   const bool measured = control.wrench == WrenchFeedback::measured;
-  // A pad's line is one of several on each place, and a second time adds all of its dose: it is
-  // nearer to even only if the first gave less than half. A cutter cuts what it touches.
+  // A pad's line is one of several on each place, and a second time adds all of its dose: that is
+  // nearer to even where the first gave less than half. Somewhat more is done again, as places that
+  // lack force may stay untreated. A cutter cuts what it touches.
   const double asked = push > 0.0 ? push : control.normal_force;
   const ToolKind tool = e.scenario.tool.kind;
   const double least = tool == ToolKind::pad        ? 0.7 * asked
