@@ -137,7 +137,15 @@ PathSample TipPath::at(double t) const noexcept {
     reference.p_WD = parts_.points[leg.place];
     if (leg.moves) {
       const auto [direction, progress] = parts_.move(leg);
-      const SpeedState along = rest_to_rest(progress, parts_.smoothing_time, since);
+      SpeedState along;
+      if (leg.evenly) {
+        const SpeedSpan turn = parts_.turn(leg).progress;
+        const double per_turn = progress.length / turn.length;
+        along = rest_to_rest(turn, parts_.smoothing_time, since);
+        along = {per_turn * along.x, per_turn * along.speed, per_turn * along.acceleration};
+      } else {
+        along = rest_to_rest(progress, parts_.smoothing_time, since);
+      }
       reference.p_WD += along.x * direction;
       reference.v_WD = along.speed * direction;
       reference.a_WD = along.acceleration * direction;

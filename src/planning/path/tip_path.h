@@ -67,8 +67,9 @@ struct PathLeg {
   Phase phase = Phase::travel;
   bool counts : 1 = false;  // PathSample::stroke is that stroke
   bool splined : 1 = false;
-  bool moves : 1 = false;  // to the next of the points
-  bool turns : 1 = false;  // n turns to the next of the normals
+  bool moves : 1 = false;   // to the next of the points
+  bool turns : 1 = false;   // n turns to the next of the normals
+  bool evenly : 1 = false;  // it moves in proportion to the turn, which would take longer
 };
 // From rest to rest along or about a unit vector [m, rad].
 struct PathMove {

@@ -182,8 +182,8 @@ class Planner {
     return leg;
   }
 
-  // Moves straight to q while the normal turns to `n`.
-  void move(const Vector3d& q, const Vector3d& n, Phase phase) {
+  // Moves straight to q while the normal turns to `n`; no sooner than it turns, if `evenly`.
+  void move(const Vector3d& q, const Vector3d& n, Phase phase, bool evenly = false) {
     const PathMove way = move_between(
                        p_, q, phase == Phase::approach ? parts_.approaches : parts_.travels),
                    turn = turn_between(n_, n, parts_.turns);
@@ -197,9 +197,10 @@ class Planner {
     leg.turns = turns;
     if (moves) last_of(&parts_.points, q);
     if (turns) last_of(&parts_.normals, n);
-    double duration =
-        std::max(moves ? rest_to_rest_duration(way.progress, s_.smoothing_time) : 0.0,
-                 turns ? rest_to_rest_duration(turn.progress, s_.smoothing_time) : 0.0);  // [s]
+    const double moving = moves ? rest_to_rest_duration(way.progress, s_.smoothing_time) : 0.0,
+                 turning = turns ? rest_to_rest_duration(turn.progress, s_.smoothing_time) : 0.0;
+    leg.evenly = evenly && moves && turning > moving;
+    double duration = std::max(moving, turning);  // [s]
     if (spin != 0.0) {
       PathSpin& turned = parts_.spins.back();
       turned.progress = {std::abs(spin), s_.turn_speed, s_.turn_acceleration};
@@ -230,8 +231,9 @@ class Planner {
   void travel_to(const Vector3d& above_hover, const Vector3d& hover, const Vector3d& n) {
     if (p_.z() < safe_z_) move({p_.x(), p_.y(), safe_z_}, righted(n_), Phase::travel);
     move(above_hover, righted(n), Phase::travel);
-    move(clear_of(hover, n), n, Phase::travel);
-    move(hover, n, Phase::travel);
+    // Near the surface it leans only as far as the height lets a pad's rim do.
+    move(clear_of(hover, n), righted(n), Phase::travel);
+    move(hover, n, Phase::travel, true);
   }
 
   void approach(const Vector3d& first) {
@@ -321,9 +323,9 @@ class Planner {
   }
 
   void lift() {
-    const Vector3d out = clear_of(p_, n_);
-    move(out, n_, Phase::lift);
-    move({out.x(), out.y(), std::max(out.z(), safe_z_)}, righted(n_), Phase::lift);
+    const Vector3d out = clear_of(p_, n_), n = righted(n_);
+    move(out, n, Phase::lift, true);
+    move({out.x(), out.y(), std::max(out.z(), safe_z_)}, n, Phase::lift);
   }
 
   const PathSettings& s_;

@@ -103,6 +103,37 @@ TEST(TipPath, ThePenRightsItselfBetweenStrokesOnASteepSurface) {
   EXPECT_LT(least, 35.0 * std::numbers::pi / 180.0 + 1e-9);
 }
 
+// Held at 60° on the surface, a wrist may not hold it at 60° a centimetre above. The rim of a pad
+// of 30 mm stays clear meanwhile.
+TEST(TipPath, ThePenRightsItselfWithinTheFirstCentimetreOffASteepSurface) {
+  constexpr double kRadius = 0.015, kLean = 35.0 * std::numbers::pi / 180.0;
+  const double slope = std::tan(60.0 * std::numbers::pi / 180.0);
+  const Vector3d n = Vector3d(-slope, 0, 1).normalized();
+  const SurfaceHeight steep = [&](double x, double y) -> std::optional<SurfaceSample> {
+    return SurfaceSample{{x, y, 0.1 + slope * (x - 0.6)}, n};
+  };
+  const TipPath path = plan_tip_path({line({{0.6, -0.05}, {0.6, -0.03}})}, steep);
+  int near = 0, lifted = 0;
+  double turned_before = 0.0;
+  for (double t = 0.0; t < path.duration(); t += 1e-3) {
+    const PathSample s = path.at(t);
+    const double height = n.dot(s.reference.p_WD - Vector3d(0.6, 0.0, 0.1)),
+                 turned = std::acos(std::min(1.0, n.dot(s.reference.n_WD)));
+    if (s.phase == Phase::draw || height > 0.0135) continue;
+    ++near;
+    EXPECT_LE(kRadius * std::sin(turned), height + 1e-9) << t;
+    if (t > 0.0 && s.phase == Phase::lift && height < 0.0099) {
+      ++lifted;
+      EXPECT_NEAR(s.reference.w_WD.norm(), (turned - turned_before) / 1e-3, 5e-3) << t;
+    }
+    if (s.phase == Phase::lift && height > 0.01 + 1e-6)
+      EXPECT_NEAR(std::acos(s.reference.n_WD.z()), kLean, 1e-6) << t;
+    turned_before = turned;
+  }
+  EXPECT_GT(near, 200);
+  EXPECT_GT(lifted, 100);
+}
+
 TEST(TipPath, StrokeAndPenDownAreTimedAsMeasured) {
   const std::vector<PlacedStroke> strokes{line({{0.55, 0}, {0.6, 0.05}}),
                                           line({{0.6, -0.05}, {0.65, -0.05}, {0.65, 0}}, 1)};
