@@ -10,7 +10,9 @@ void bind_control_settings(nb::module_& m) {
   nb::enum_<InertiaShaping>(m, "InertiaShaping", "How the desired inertia M_d is chosen.")
       .value("natural", InertiaShaping::natural, "M_d = Λ; required without a measured wrench")
       .value("scaled", InertiaShaping::scaled, "M_d = c Λ")
-      .value("shaped", InertiaShaping::shaped, "M_d constant in the surface frame");
+      .value("shaped", InertiaShaping::shaped, "M_d constant in the surface frame")
+      .value("light_normal", InertiaShaping::light_normal,
+             "M_d = S Λ S, S = I − (1 − √c) n nᵀ: natural, but lighter along the normal");
   nb::enum_<WrenchFeedback>(m, "WrenchFeedback", "Whether F_ext is known.")
       .value("none", WrenchFeedback::none)
       .value("measured", WrenchFeedback::measured);
@@ -161,7 +163,8 @@ void bind_control_settings(nb::module_& m) {
       .field("reference_stiffness", &ImpedanceSettings::reference_stiffness,
              "damping of an axis with zero stiffness: [N/m], [Nm/rad]")
       .field("shaped_inertia", &ImpedanceSettings::shaped_inertia, "M_d if shaped: [kg], [kg m²]")
-      .field("inertia_scale", &ImpedanceSettings::inertia_scale, "c of M_d = c Λ, 0.01 to 100")
+      .field("inertia_scale", &ImpedanceSettings::inertia_scale,
+             "c of M_d = c Λ or of S, 0.01 to 100")
       .field("damping_ratio", &ImpedanceSettings::damping_ratio, "ζ of every mode, 0.05 to 3")
       .field("normal_force", &ImpedanceSettings::normal_force, "F_n, in contact [N], 0 to 50")
       .field("switch_time", &ImpedanceSettings::switch_time,

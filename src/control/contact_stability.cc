@@ -92,16 +92,21 @@ void check_contact_stability(double desired_mass, double damping,
       desired_mass, settings, least);
 }
 
-void check_scaled_contact_stability(double scale, double stiffness,
-                                    const ImpedanceSettings& settings) {
+double lightest_stable_scale(double scale, double stiffness, const ImpedanceSettings& settings) {
   const auto holds = [&](double c) {
     return stable(
         settings, [=](double m) { return c * m; },
         [&](double m) { return 2.0 * settings.damping_ratio * std::sqrt(stiffness * c * m); });
   };
-  if (holds(scale)) return;
   double least = scale;
   while (least < 1.0 && !holds(least)) least *= 1.02;
+  return least;
+}
+
+void check_scaled_contact_stability(double scale, double stiffness,
+                                    const ImpedanceSettings& settings) {
+  const double least = lightest_stable_scale(scale, stiffness, settings);
+  if (least == scale) return;
   refuse(
       "inertia along the normal: %.3g times the natural one is unstable with a tip of %.3g N/m "
       "with "

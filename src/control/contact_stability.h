@@ -32,11 +32,14 @@ double spectral_radius(const ContactLoop& loop);  // < 1: stable
 // along the normal with `mass`.
 double lightest_stable_mass(double mass, double damping, const ImpedanceSettings& settings);
 
+// The least c ≥ `scale`, up to 1, whose loop is stable with M_d = c Λ along the normal. stiffness:
+// K' along n.
+double lightest_stable_scale(double scale, double stiffness, const ImpedanceSettings& settings);
+
 // These throw InputError, naming the axis, its value and the least valid value. They use the
 // timing, damping ratio and stability_check of the settings.
 void check_contact_stability(double desired_mass, double damping,
                              const ImpedanceSettings& settings);
-// M_d = scale Λ; stiffness: K' along n.
 void check_scaled_contact_stability(double scale, double stiffness,
                                     const ImpedanceSettings& settings);
 void check_damping_rates(const TipGain& damping, const TipGain& inertia, double dt_and_delay);

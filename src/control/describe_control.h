@@ -67,7 +67,7 @@ void describe(F& f, ForceIntegralSettings& s) {
 
 template <class F>
 void describe(F& f, ImpedanceSettings& s) {
-  f.choice("inertia", s.inertia, {"natural", "scaled", "shaped"},
+  f.choice("inertia", s.inertia, {"natural", "scaled", "shaped", "light_normal"},
            "Desired inertia M_d: the arm's own, a multiple of it, or the constant one set below.");
   f.choice("projection", s.surface.projection, {"lifted", "paper"},
            "Projection of the position error in contact, equation (13): with full stiffness on any "
@@ -93,8 +93,10 @@ void describe(F& f, ImpedanceSettings& s) {
              Range::positive_to(100.0), "kg m²");
   f.constant("rotational_inertia_normal", s.shaped_inertia.angular.normal,
              Range::positive_to(100.0), "kg m²");
-  f.field("inertia_scale", s.inertia_scale, {0.01, 100.0}, "",
-          "Desired inertia as a multiple of the arm's own, for inertia: scaled.");
+  f.field(
+      "inertia_scale", s.inertia_scale, {0.01, 100.0}, "",
+      "Desired inertia as a multiple of the arm's own, for inertia: scaled; for light_normal along "
+      "the surface normal alone, or as light as the loop is stable with.");
   f.field("damping_ratio", s.damping_ratio, {0.05, 3.0}, "", "Damping ratio of every mode.");
   f.field("normal_force", s.normal_force, kForceRange, "N",
           "Normal force that the pen presses with while drawing.")

@@ -82,7 +82,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
 
   // M_d (V̇ − V̇_d) = F_motion + F_push + F_compliant,  F_motion = B (V_d − V) + K e          (1)
   const Vector6 F_motion =
-      handover_.smooth(contact.mode, impedance_.damp(space_, d.V - arm.V_WE) + d.Ke, F_push);
+      handover_.smooth(contact.mode, impedance_.damp(d.V - arm.V_WE) + d.Ke, F_push);
   const Wrench F_compliant = F_ext - friction_.explained(contact, F_ext);
 
   // F_act = Λ (V̇_d − J̇v) + J̄ᵀ C v + Λ M_d⁻¹ (F_motion + F_push + F_compliant) − F_ext (10)–(11)

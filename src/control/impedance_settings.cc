@@ -79,9 +79,13 @@ void ImpedanceSettings::validate_ranges(int joints) const {
 
 void ImpedanceSettings::validate_inertia() const {
   const bool shaped = inertia == InertiaShaping::shaped;
-  const bool scaled = inertia == InertiaShaping::scaled && inertia_scale != 1.0;
+  const bool light = inertia == InertiaShaping::light_normal,
+             scaled = (inertia == InertiaShaping::scaled || light) && inertia_scale != 1.0;
   if (wrench == WrenchFeedback::none && (shaped || scaled))
-    throw InputError(std::string("inertia '") + (shaped ? "shaped" : "scaled") +
+    throw InputError(std::string("inertia '") +
+                     (shaped  ? "shaped"
+                      : light ? "light_normal"
+                              : "scaled") +
                      "' needs a measured wrench; without one the desired inertia must be 'natural' "
                      "or the force is not the push");
   const TipGain K = damping_stiffness();

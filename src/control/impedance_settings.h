@@ -18,6 +18,7 @@ enum class InertiaShaping {
   natural,  // M_d = Λ: the arm keeps its inertia; required without a measured wrench
   scaled,   // M_d = c Λ
   shaped,   // M_d = diag(mass, inertia) in S, constant
+  light_normal,  // M_d = S Λ S, S = I − (1 − √c) n nᵀ: natural, but lighter where the pen pushes
 };
 
 enum class WrenchFeedback {
@@ -145,8 +146,8 @@ struct ImpedanceSettings {
   // Determines the damping of an axis with zero stiffness: [N/m], [Nm/rad].
   TipGain reference_stiffness{{0.0, 1500.0}, {0.0, 10.0}};
   TipGain shaped_inertia{{4.0, 1.5}, {0.05, 0.02}};  // M_d if shaped: [kg], [kg m²]
-  double inertia_scale = 1.0;                        // c of M_d = c Λ if scaled
-  double damping_ratio = 0.8;                        // ζ of every mode
+  double inertia_scale = 1.0;  // c of M_d = c Λ if scaled, of S if light_normal
+  double damping_ratio = 0.8;  // ζ of every mode
 
   double normal_force = 5.0;  // F_n, in contact [N]
   double switch_time = 0.04;  // time constant of the force carried over at a mode switch [s]

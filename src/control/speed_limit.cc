@@ -55,7 +55,7 @@ bool SpeedLimit::apply(const ArmTerms& arm, const OperationalSpace& space,
                        const TipImpedance& impedance, const JointRange& range,
                        TipTarget* target) const noexcept {
   if (is_slow(arm, impedance, range, *target)) return false;
-  Vector6 V_end = target->V + impedance.follow(space, target->Ke);
+  Vector6 V_end = target->V + impedance.follow(target->Ke);
   const double speed = V_end.head<3>().norm(), turn = V_end.tail<3>().norm();
   // scale both parts: a coupled inertia would turn the remaining rotation into speed
   V_end *= std::min(limits_.tip_speed / std::max(speed, limits_.tip_speed),

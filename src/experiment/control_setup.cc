@@ -125,11 +125,17 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
 
 // The lighter the pen along the normal, the steadier the force on a rough surface; how light it may
 // be, the delay of the wrench decides. Where no mass is given, the default is raised as far as that
-// asks for. A canvas that moves may jerk: a lighter pen hits it, and leaves it, less.
+// asks for, and so is the part of the arm's own inertia that light_normal leaves. A canvas that
+// moves may jerk: a lighter pen hits it, and leaves it, less.
 void choose_mass(const ControlSettings& given, bool follows_canvas, ImpedanceSettings* control) {
   constexpr double kMargin = 1.3;        // over the lightest that is stable
   constexpr double kOnAMovingOne = 0.6;  // [kg]
-  if (control->inertia != InertiaShaping::shaped || control->wrench == WrenchFeedback::none) return;
+  if (control->wrench == WrenchFeedback::none) return;
+  if (control->inertia == InertiaShaping::light_normal)
+    control->inertia_scale =
+        kMargin * lightest_stable_scale(control->inertia_scale / kMargin,
+                                        control->damping_stiffness().linear.normal, *control);
+  if (control->inertia != InertiaShaping::shaped) return;
   double& mass = control->shaped_inertia.linear.normal;
   if (given.mass_normal) {
     mass = *given.mass_normal;

@@ -106,7 +106,7 @@ TEST(SpeedLimit, KeepsTheTipAndEveryJointWithinTheirLimits) {
     const TipTarget before = d;
     const bool limited = limit.apply(at.arm, at.space, impedance, range, &d);
     changed += limited;
-    const Vector6 V_end = d.V + impedance.follow(at.space, d.Ke);
+    const Vector6 V_end = d.V + impedance.follow(d.Ke);
     EXPECT_LE(V_end.head<3>().norm(), 0.5 + 1e-12);
     EXPECT_LE(V_end.tail<3>().norm(), 1.0 + 1e-12);
     const Eigen::VectorXd v_end = at.arm.v + at.J_bar() * (V_end - at.arm.V_WE);
@@ -118,7 +118,7 @@ TEST(SpeedLimit, KeepsTheTipAndEveryJointWithinTheirLimits) {
       continue;
     }
     EXPECT_EQ(d.Ke.norm(), 0.0);
-    const Vector6 asked = before.V + impedance.follow(at.space, before.Ke);
+    const Vector6 asked = before.V + impedance.follow(before.Ke);
     EXPECT_NEAR(d.V.head<3>().normalized().dot(asked.head<3>().normalized()), 1.0, 1e-9);
     if (d.V.head<3>().norm() < 0.9 * asked.head<3>().norm()) {
       EXPECT_LE(d.Vdot.head<3>().dot(d.V.head<3>()), 1e-9) << "it is not accelerated further";

@@ -89,8 +89,8 @@ TEST(NoAllocation, AStepMakesNone) {
 TEST(NoAllocation, AStepInTroubleMakesNone) {
   ArmModel arm(kArm);
   std::mt19937 rng(3);
-  for (const InertiaShaping inertia :
-       {InertiaShaping::natural, InertiaShaping::scaled, InertiaShaping::shaped}) {
+  for (const InertiaShaping inertia : {InertiaShaping::natural, InertiaShaping::scaled,
+                                       InertiaShaping::shaped, InertiaShaping::light_normal}) {
     ImpedanceSettings s = shaped_settings(arm);
     s.inertia = inertia;
     s.inertia_scale = 2.0;

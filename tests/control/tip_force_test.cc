@@ -26,8 +26,8 @@ Matrix6 matrix_of(const TipGain& gain, const Vector3d& n) {
 }
 
 TEST(TipImpedance, EveryModeHasTheDampingRatioAndForcesReachTheDesiredInertia) {
-  for (const InertiaShaping inertia :
-       {InertiaShaping::natural, InertiaShaping::scaled, InertiaShaping::shaped}) {
+  for (const InertiaShaping inertia : {InertiaShaping::natural, InertiaShaping::scaled,
+                                       InertiaShaping::shaped, InertiaShaping::light_normal}) {
     ImpedanceSettings s;
     s.inertia = inertia;
     s.inertia_scale = 2.5;
@@ -40,18 +40,20 @@ TEST(TipImpedance, EveryModeHasTheDampingRatioAndForcesReachTheDesiredInertia) {
       space.update(arm);
       impedance.update(space, n);
       const Matrix6 Lambda = testing_arm::operational_inertia(arm.J, arm.M);
-      const Matrix6 M_d = inertia == InertiaShaping::shaped   ? matrix_of(s.shaped_inertia, n)
-                          : inertia == InertiaShaping::scaled ? Matrix6(2.5 * Lambda)
-                                                              : Lambda;
+      const Matrix6 S = matrix_of({{1.0, std::sqrt(2.5)}, {1.0, 1.0}}, n);
+      const Matrix6 M_d = inertia == InertiaShaping::shaped         ? matrix_of(s.shaped_inertia, n)
+                          : inertia == InertiaShaping::scaled       ? Matrix6(2.5 * Lambda)
+                          : inertia == InertiaShaping::light_normal ? Matrix6(S * Lambda * S)
+                                                                    : Lambda;
       Matrix6 B;
-      for (int k = 0; k < 6; ++k) B.col(k) = impedance.damp(space, Vector6::Unit(k));
+      for (int k = 0; k < 6; ++k) B.col(k) = impedance.damp(Vector6::Unit(k));
       const testing_arm::Modes modes = testing_arm::modes(matrix_of(s.damping_stiffness(), n), M_d);
       const Eigen::MatrixXd modal = modes.Q.transpose() * B * modes.Q;
       for (int k = 0; k < 6; ++k)
         EXPECT_NEAR(modal(k, k), 2.0 * s.damping_ratio * std::sqrt(modes.omega_squared[k]),
                     4e-3 * modal(k, k));
       const Vector6 F = any.wrench(5.0);
-      EXPECT_LT((impedance.damp(space, impedance.follow(space, F)) - F).norm(), 1e-9);
+      EXPECT_LT((impedance.damp(impedance.follow(F)) - F).norm(), 1e-9);
       EXPECT_LT((M_d * testing_arm::inverse(Lambda) * impedance.to_arm(space, F) - F).norm(), 1e-8);
     }
   }
