@@ -24,6 +24,10 @@ constexpr double kForceChange = 0.06;  // of the force along the lines at most, 
 // Between the points of a line [m]. The path keeps to their chords within a tenth of it, which a
 // pad does not feel: held within 10 µm, each would be a bend to slow down at.
 constexpr double kExact = 1e-3;
+// Of the arm's own inertia along the normal, desired while a pad presses: where the normal turns
+// faster than perception knows it, a lighter tip keeps its force. Foam is soft, so that the loop
+// bears it with a wrench that comes late.
+constexpr double kLighter = 0.1;
 // Of the centres from places that the arm does not reach [m].
 constexpr double kOffReach = 1e-3;
 
@@ -150,10 +154,13 @@ std::vector<char> inner_places(const CoverPlan& plan, const PlaneLines& lines) {
   return inside_by(plan.grid, swept(plan.grid, lines, radius - kAstray), radius);
 }
 
-// Promises what the lines cover, and evens out their forces.
+// Promises what the lines cover, repeats parts where they leave too little, and evens out their
+// forces.
 void promise(const Scenario& s, const std::vector<char>& inner, bool refused, CoverPlan* cover) {
   CoverPlan& plan = *cover;
-  const PlaneLines& lines = plan.lines.passes;
+  PlaneLines& lines = plan.lines.passes;
+  for (auto& part : repeats(plan.grid, plan.wish.footprint, inner, lines))
+    lines.push_back(std::move(part));
   plan.promised_area =
       area_of(plan.grid, swept(plan.grid, lines, plan.wish.footprint.radius - kAstray));
   plan.forces = even_forces(plan.grid, lines, plan.wish.footprint, inner, kForceChange);
@@ -205,6 +212,10 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
   if (!given("path.travel_acceleration")) s.path.travel_acceleration = 1.0;
   // A face that leans off the normal presses with one side, and more than the law makes up for.
   if (!given("path.tilt_allowance")) s.path.tilt_allowance_deg = 0.0;
+  if (!given("control.inertia") && s.control.source != WrenchSource::none) {
+    s.control.inertia = InertiaShaping::light_normal;
+    if (!given("control.inertia_scale")) s.control.inertia_scale = kLighter;
+  }
   const double r = s.tool.radius.value_or(PadSettings().radius), voxel = s.perception.voxel;
   NormalSettings& normals = s.perception.normals;
   const int over = static_cast<int>(std::numbers::pi * r * r / (voxel * voxel));
@@ -281,20 +292,20 @@ bool keep_within_reach(const Scenario& s, const PlannedDrawing& drawing, CoverPl
 bool keep_drawn(const Scenario& s, const PlannedDrawing& drawing, CoverPlan* plan) {
   CoverLines& lines = plan->lines;
   const auto once = static_cast<std::ptrdiff_t>(lines.passes.size());
+  const std::size_t edges = lines.edges;
   std::vector<StrokePart> lost;
   for (const Finding& f : drawing.plan.preflight.findings)
     if (f.way == WayEnd::none && f.part.stroke < once) lost.push_back(f.part);
   if (lost.empty()) return false;
   const auto first = drawing.artwork.strokes.begin();
-  PlaneLines kept;
-  std::size_t edges = 0;
+  PlaneLines& kept = lines.passes;
+  kept.clear();
+  lines.edges = 0;
   for (const StrokePart& part : rest_of({first, first + once}, merged(std::move(lost)), kExact)) {
     kept.push_back(line_of(drawing.artwork, part));
-    edges += static_cast<std::size_t>(part.stroke) < lines.edges;
+    lines.edges += static_cast<std::size_t>(part.stroke) < edges;
   }
-  lines.passes = std::move(kept);
-  lines.edges = edges;
-  promise(s, inner_places(*plan, lines.passes), true, plan);
+  promise(s, inner_places(*plan, kept), true, plan);
   return true;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -17,21 +18,30 @@ constexpr int kRounds = 100, kSmoothings = 5;
 constexpr double kMost = 1e-3, kLeast = 2e-5, kFirst = 0.5e-3;  // of a round's moves [m]
 constexpr double kMomentum = 0.8;  // share of the way of the round before that a round goes on
 constexpr double kLongest = 2.0;   // of a knot's way, over the RMS of all: else few hold all back
+constexpr double kLongestPart = 3.0;  // that is repeated at once, in radii
+constexpr double kWorth = 1e-4;       // least fall of the squared variation, for one more stroke
 
 struct Unevenness {
   std::vector<double> e_area;  // of each vertex: e dA
-  double rms = 0.0;
+  double rms = 0.0, mean = 0.0;
 };
+
+std::vector<double> areas_of(const SurfaceGrid& g, const std::vector<char>& places) {
+  std::vector<double> area(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v) area[v] = places[v] ? g.area(v) : 0.0;
+  return area;
+}
 
 Unevenness unevenness(const SurfaceGrid& g, const std::vector<double>& area,
                       const std::vector<double>& dose) {
-  Unevenness u{std::vector<double>(g.size()), 0.0};
+  Unevenness u{std::vector<double>(g.size())};
   double whole = 0.0, sum = 0.0, squares = 0.0;
   for (std::size_t v = 0; v < g.size(); ++v) whole += area[v], sum += area[v] * dose[v];
   if (!(sum > 0.0)) return u;
+  u.mean = sum / whole;
   for (std::size_t v = 0; v < g.size(); ++v) {
     if (!(area[v] > 0.0)) continue;
-    const double e = dose[v] * whole / sum - 1.0;
+    const double e = dose[v] / u.mean - 1.0;
     u.e_area[v] = e * area[v];
     squares += e * u.e_area[v];
   }
@@ -47,15 +57,16 @@ Vector2d gradient(const SurfaceGrid& g, const std::vector<double>& field, const 
 }
 
 // ∫ e p dA under a footprint on p, whose rim is as wide as the grid's step.
-double under(const SurfaceGrid& g, const Unevenness& u, const Vector2d& p, const Footprint& foot) {
+double under(const SurfaceGrid& g, const std::vector<double>& e_area, const Vector2d& p,
+             const Footprint& foot) {
   const Vector3d centre = g.lifted(p);
   const PressedFoot pressed(g, centre, foot);
   double sum = 0.0;
   around(g, centre, foot.radius + 0.5 * g.step, [&](std::size_t v) {
-    if (u.e_area[v] == 0.0) return;
+    if (e_area[v] == 0.0) return;
     const Vector3d q = g.point(v);
     const double inside = (foot.radius - (q - centre).norm()) / g.step + 0.5;
-    sum += std::min(inside, 1.0) * u.e_area[v] * pressed.pressure(q);
+    sum += std::min(inside, 1.0) * e_area[v] * pressed.pressure(q);
   });
   return sum;
 }
@@ -68,7 +79,8 @@ Vector2d pull(const SurfaceGrid& g, const Unevenness& u, const Vector2d& p, cons
   Vector2d sum = Vector2d::Zero();
   for (const Vector3d& t : {a, b}) {
     const Vector2d by = g.step * t.head<2>();
-    sum += (under(g, u, p + by, foot) - under(g, u, p - by, foot)) / (2.0 * g.step) * t.head<2>();
+    sum += (under(g, u.e_area, p + by, foot) - under(g, u.e_area, p - by, foot)) / (2.0 * g.step) *
+           t.head<2>();
   }
   return sum;
 }
@@ -79,7 +91,7 @@ Line uphill(const SurfaceGrid& g, const Unevenness& u, const Line& line, const F
   const bool closed = is_closed(line);
   Line way(n, Vector2d::Zero());
   std::vector<double> m(n), along(n, 1e-4);
-  for (std::size_t i = 0; i < n; ++i) m[i] = under(g, u, line[i], foot);
+  for (std::size_t i = 0; i < n; ++i) m[i] = under(g, u.e_area, line[i], foot);
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const double length = (g.lifted(line[i + 1]) - g.lifted(line[i])).norm();
     along[i] += 0.5 * length, along[i + 1] += 0.5 * length;
@@ -112,12 +124,65 @@ Vector2d onto_centres(const SurfaceGrid& g, const std::vector<double>& clearance
   return g.sample(clearance, p) < std::min(0.0, g.sample(clearance, before)) - 0.1e-3 ? before : p;
 }
 
+struct Part {
+  std::size_t line = 0, from = 0, to = 0;  // knots, the last one included
+  double gain = 0.0;                       // of E [m²]
+};
+
+// The part whose repetition promises the most: a pass at knot i adds w p / d̄ to e, and on average
+// its own chord over a disc besides.
+Part best_part(const SurfaceGrid& g, const Unevenness& u, const std::vector<double>& area,
+               const PlaneLines& lines, const Footprint& foot) {
+  const double chord = 16.0 / (3.0 * std::numbers::pi) * foot.radius;
+  Part best;
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    const Line& line = lines[l];
+    std::vector<double> gain(line.size()), at(line.size(), 0.0);
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      const double way = (g.lifted(line[i]) - g.lifted(line[i - 1])).norm();
+      at[i] = at[i - 1] + way;
+      gain[i] = -way / u.mean *
+                (2.0 * under(g, u.e_area, line[i], foot) +
+                 chord / u.mean * under(g, area, line[i], foot));
+    }
+    for (std::size_t from = 0; from < line.size(); ++from) {
+      double sum = 0.0;
+      for (std::size_t to = from + 1;
+           to < line.size() && at[to] - at[from] < kLongestPart * foot.radius; ++to)
+        if ((sum += gain[to]) > best.gain && at[to] - at[from] > foot.radius)
+          best = {l, from, to, sum};
+    }
+  }
+  return best;
+}
+
 }  // namespace
+
+PlaneLines repeats(const SurfaceGrid& g, const Footprint& foot, const std::vector<char>& places,
+                   const PlaneLines& lines) {
+  const std::vector<double> area = areas_of(g, places);
+  std::vector<double> dose = dose_of(g, lines, foot);
+  Unevenness u = unevenness(g, area, dose);
+  PlaneLines added;
+  while (u.mean > 0.0) {
+    const Part part = best_part(g, u, area, lines, foot);
+    if (!(part.gain > 0.0)) break;
+    const auto first = lines[part.line].begin();
+    Line piece(first + static_cast<std::ptrdiff_t>(part.from),
+               first + static_cast<std::ptrdiff_t>(part.to) + 1);
+    const std::vector<double> more = dose_of(g, {piece}, foot);
+    for (std::size_t v = 0; v < g.size(); ++v) dose[v] += more[v];
+    Unevenness after = unevenness(g, area, dose);
+    if (!(u.rms * u.rms - after.rms * after.rms > kWorth)) break;
+    u = std::move(after);
+    added.push_back(std::move(piece));
+  }
+  return added;
+}
 
 double even_lines(const SurfaceGrid& g, const std::vector<double>& clearance, const Footprint& foot,
                   const std::vector<char>& places, std::size_t fixed, PlaneLines* lines) {
-  std::vector<double> area(g.size());
-  for (std::size_t v = 0; v < g.size(); ++v) area[v] = places[v] ? g.area(v) : 0.0;
+  const std::vector<double> area = areas_of(g, places);
   Unevenness u = unevenness(g, area, dose_of(g, *lines, foot));
   double most = kFirst;
   PlaneLines before;

@@ -18,4 +18,9 @@ double even_lines(const SurfaceGrid& grid, const std::vector<double>& clearance,
                   const Footprint& foot, const std::vector<char>& places, std::size_t fixed,
                   PlaneLines* lines);
 
+// Parts of the lines that are to be drawn once more, where a stroke's own dose makes it more even:
+// beside what was cut, and in areas that are narrower than two lines.
+PlaneLines repeats(const SurfaceGrid& grid, const Footprint& foot, const std::vector<char>& places,
+                   const PlaneLines& lines);
+
 }  // namespace impedraw

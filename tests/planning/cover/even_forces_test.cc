@@ -152,6 +152,35 @@ TEST(EvenLines, MoveRowsToTheirPlaces) {
   EXPECT_NEAR(lines[k][lines[k].size() / 2].y(), own, 0.12 * spacing);
 }
 
+// A strip that two passes treat, of which one ends half way: its other half is passed once more.
+TEST(Repeats, MakeUpForALineThatIsCut) {
+  const SurfaceGrid g = plane();
+  std::vector<char> strip(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v)
+    strip[v] = std::abs(g.plane(v).x()) < 0.05 && std::abs(g.plane(v).y()) < 0.3 * kPad;
+  PlaneLines lines(2);
+  for (double x = -0.07; x < 0.0701; x += 1e-3) {
+    lines[0].emplace_back(x, 0.0);
+    if (x < 0.0) lines[1].emplace_back(x, 0.0);
+  }
+  const PlaneLines added = repeats(g, kFoot, strip, lines);
+  const double before = cv(g, dose_of(g, lines, kFoot), strip);
+  ASSERT_FALSE(added.empty());
+  for (const auto& part : added) {
+    for (const Eigen::Vector2d& p : part) EXPECT_GT(p.x(), -kPad);
+    lines.push_back(part);
+  }
+  EXPECT_GT(before, 0.25);
+  EXPECT_LT(cv(g, dose_of(g, lines, kFoot), strip), 0.3 * before);
+  EXPECT_TRUE(repeats(g, kFoot, strip, lines).empty());
+
+  std::vector<char> middle(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v)
+    middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kPad;
+  EXPECT_TRUE(repeats(g, kFoot, middle, rows(kPad / 1.62)).empty());
+  EXPECT_TRUE(repeats(g, kFoot, std::vector<char>(g.size()), lines).empty());
+}
+
 TEST(EvenLines, AreLeftWhereNothingIsToBeEven) {
   const SurfaceGrid g = plane();
   PlaneLines lines = rows(kPad);
