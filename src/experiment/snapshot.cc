@@ -14,6 +14,7 @@
 #include "impedraw/experiment/simulated_camera.h"
 #include "impedraw/perception/patch_size.h"
 #include "impedraw/perception/rigid_fit.h"
+#include "impedraw/perception/wall_sides.h"
 
 namespace impedraw {
 
@@ -261,6 +262,13 @@ Snapshot read_snapshot(const Scenario& s, const Pose& X_WP, bool placed, ArmMode
                         read.views);
     notes->insert(notes->end(), found.notes.begin(), found.notes.end());
   }
+  const std::size_t both_sides = found.canvas.points.size();
+  found.canvas = without_far_sides(found.canvas, p.voxel, p.normals);
+  if (found.canvas.points.size() < both_sides)
+    notes->push_back(
+        fmt::format("walls thinner than {:.0f} mm are seen from both sides: {} points of the sides "
+                    "that the pen gets to less easily are left out",
+                    1e3 * kThinWall * p.voxel, both_sides - found.canvas.points.size()));
   const PerceptionSettings used = for_noise(p, found.canvas, notes);
   Snapshot snapshot{estimator_of(found.canvas, used), thin(found.beside, p.voxel), {}};
   for (const AlignedView& view : read.alignment.views) snapshot.corrections.push_back({view.T, {}});
