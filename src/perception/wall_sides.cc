@@ -13,6 +13,7 @@ using Eigen::Vector3d;
 
 constexpr double kAbout = 2.5;      // how far along the wall pixels are counted, in cubes
 constexpr double kContrary = -0.5;  // cosine between the normals of two sides
+constexpr double kWall = 0.05;      // share of the points; fewer are a sharp edge, an ear's rim
 // How much more a pixel counts on a side that faces up or away from the object's middle. Cameras
 // may see the sides of an upright sheet equally well: the first view counts for more by a share, so
 // that one side wins all over.
@@ -97,7 +98,8 @@ PointCloud without_far_sides(const PointCloud& seen, double voxel, const NormalS
     if (!seen.weight.empty()) left.weight.push_back(seen.weight[i]);
     if (!seen.rgb.empty()) left.rgb.insert(left.rgb.end(), &seen.rgb[3 * i], &seen.rgb[3 * i] + 3);
   }
-  return left;
+  const double kept = static_cast<double>(left.points.size());
+  return kept > (1.0 - kWall) * static_cast<double>(seen.points.size()) ? seen : left;
 }
 
 }  // namespace impedraw

@@ -66,8 +66,7 @@ TEST(WallSides, TheOutsideOfAVesselIsLeft) {
     cloud.eyes.emplace_back(std::cos(towards), std::sin(towards), 0.8);
     for (double a = -1.4; a < 1.4; a += kSpacing / kRadius)
       for (double z = 0.0; z < 0.12; z += kSpacing) {
-        const Vector3d near(std::cos(towards + a), std::sin(towards + a), 0.0),
-            up(0.0, 0.0, z);
+        const Vector3d near(std::cos(towards + a), std::sin(towards + a), 0.0), up(0.0, 0.0, z);
         cloud.points.push_back(kRadius * near + up);
         for (const double lower : {0.0, 0.5 * kSpacing})
           cloud.points.emplace_back(-(kRadius - kWall) * near + up + Vector3d(0.0, 0.0, lower));
