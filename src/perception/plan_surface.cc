@@ -13,8 +13,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-// The heights between which a plan leaves the widest patches for finer ones [m].
+// The heights between which a plan leaves the widest patches for finer ones [m]. Where it is below
+// half of the least at all of the kOffAbout points about, the finer ones are not asked.
 constexpr double kLeastOff = 5e-4, kMostOff = 1.5e-3;
+constexpr int kOffAbout = 24;
 // A hole: no point within kHole, and none as near as kSparse times the points' spacing, which
 // beside a hole looks twice as wide: it is found from about 3.5 mm inside. A plan looks for holes
 // every kHoleStep in the tangent planes of the cloud's points, as far as kHoleReach; for larger
@@ -58,6 +60,7 @@ PlanSurface::PlanSurface(std::shared_ptr<const SurfaceEstimator> seen, double ma
       max_one_sidedness_(max_one_sidedness),
       most_misfit_(most_misfit) {
   if (!levels_) return;
+  find_apart();
   if (levels_->any()) find_creases();
   find_holes();
 }
@@ -79,7 +82,7 @@ SurfaceEstimate PlanSurface::estimate(const Vector3d& p) const noexcept {
   if (!levels_) return coarse;
   if (ends_at(patch.closest) || beside_hole(p - coarse.distance * coarse.n_W, coarse.n_W))
     return ends;
-  if (!levels_->used_near(patch.closest)) return coarse;
+  if (!apart_[patch.closest] && std::abs(coarse.distance) < kOnSurface) return coarse;
   const SurfaceEstimate fine = levels_->refined(p, patch.closest, coarse, max_one_sidedness_);
   const double off = std::abs(fine.distance - coarse.distance);
   const double share = std::clamp((off - kLeastOff) / (kMostOff - kLeastOff), 0.0, 1.0);
@@ -196,6 +199,19 @@ bool PlanSurface::beside_hole(const Vector3d& foot, const Vector3d& n) const noe
     if (is_hole(foot + std::cos(angle) * a + std::sin(angle) * b)) return true;
   }
   return is_hole(foot);
+}
+
+void PlanSurface::find_apart() {
+  apart_.assign(cloud().points.size(), 0);
+  for (int i = 0; i < patches_.size(); ++i) {
+    const SurfaceEstimate& at = seen_->at_points()[i];
+    if (at.status != SurfaceStatus::ok) {
+      apart_[i] = 1;
+    } else if (std::abs(at.distance - seen_->known_[i].distance) >= 0.5 * kLeastOff) {
+      const Patch near = patches_.nearest(cloud().points[i], kOffAbout);
+      for (int j = 0; j < near.n; ++j) apart_[near.index[j]] = 1;
+    }
+  }
 }
 
 void PlanSurface::find_creases() {

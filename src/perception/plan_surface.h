@@ -36,6 +36,7 @@ class PlanSurface {
   void fit_one_sheet(const Eigen::Vector3d& towards, Neighbourhood* around,
                      LocalSurface* surface) const noexcept;
   void find_creases();
+  void find_apart();
   void find_holes();
   bool is_hole(const Eigen::Vector3d& place) const noexcept;
   bool beside_hole(const Eigen::Vector3d& foot, const Eigen::Vector3d& n) const noexcept;
@@ -45,8 +46,9 @@ class PlanSurface {
   const CloudPatches& patches_;
   const DetailLevels* levels_;  // null: there are no finer clouds
   double max_one_sidedness_;
-  double most_misfit_;                              // [m]
-  std::vector<char> creases_;                       // of each point: within kCreaseMargin of one
+  double most_misfit_;         // [m]
+  std::vector<char> apart_;    // of each point: finer patches may be kLeastOff / 2 off nearby
+  std::vector<char> creases_;  // of each point: within kCreaseMargin of one
   std::vector<Eigen::Vector3d> holes_;              // [m]
   std::unique_ptr<const NeighbourTree> hole_tree_;  // null: there are none
 };

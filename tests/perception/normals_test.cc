@@ -322,6 +322,33 @@ TEST(Normals, ResolvedWavesAreNoCreases) {
   EXPECT_LT(creases, places / 50);
 }
 
+// Waves of 20 mm that rise from nothing to 3 mm. A plan changes from the widest patches to finer
+// ones between 0.5 and 1.5 mm of difference, so that it is at most 0.5625 mm off the finer ones.
+TEST(Normals, APlanUsesFinerPatchesWhereverTheyTellMore) {
+  const double k = 2.0 * std::numbers::pi / 0.02;
+  const auto waves = [k](double x, double y) {
+    return 0.05 * std::max(0.0, x + 0.02) * std::sin(k * x) * std::cos(0.5 * k * y);
+  };
+  FinerClouds finer;
+  for (const double spacing : {2e-3, 1e-3}) finer.push_back(sheet(0.06, spacing, waves));
+  const PointCloud cloud = sheet(0.06, 4e-3, waves);
+  const SurfaceEstimator widest(cloud);
+  const PlanSurface plan = plan_over(cloud, std::move(finer), NormalSettings().max_one_sidedness);
+  int apart = 0, places = 0;
+  for (double x = -0.045; x < 0.045; x += 1.1e-3)
+    for (double y = -0.045; y < 0.045; y += 3.1e-3) {
+      const Vector3d p(x, y, waves(x, y) + 8e-4 * std::sin(1e5 * (x + y)));
+      const SurfaceEstimate e = plan.estimate(p), fine = plan.seen().estimate(p);
+      if (e.status != SurfaceStatus::ok) continue;
+      EXPECT_LT(std::abs(e.distance - fine.distance), 5.63e-4) << x << " " << y;
+      apart += std::abs(widest.estimate(p).distance - fine.distance) > 7e-4;
+      ++places;
+    }
+  EXPECT_GT(places, 1500);
+  EXPECT_GT(apart, places / 20);
+  EXPECT_LT(apart, places / 2);
+}
+
 // In the middle of a hole the fit around it still tells a surface, 9 mm from the nearest point.
 TEST(Normals, APlansSurfaceDoesNotRunOnBeyondItsPoints) {
   PointCloud cloud = sheet(0.06, 4e-3, kFlat);
