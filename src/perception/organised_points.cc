@@ -1,5 +1,6 @@
 #include "impedraw/perception/organised_points.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -46,11 +47,20 @@ void OrganisedPoints::find(const DepthImage& image, const DepthCamera& camera,
   const double f = camera.focal_length(), sigma = settings_.sigma_at_1m;
   const auto least =
       static_cast<int>(std::ceil(settings_.least_share * static_cast<double>(window_.size())));
+  // A conic, on which six coefficients stay open, passes through two pixels of each row, or all of
+  // two rows. More pixels fix them, and more than half of a window fix them well.
+  const int certain = std::max(2 * (2 * h + 1), static_cast<int>(window_.size()) / 2);
+  Matrix6d all = Matrix6d::Zero();
+  for (const Pixel& pixel : window_) all += pixel.basis * pixel.basis.transpose();
   thread_local std::vector<double> inverse_depth;  // kept, so that another image allocates nothing
   inverse_depth.resize(image.depth.size());
-  for (std::size_t k = 0; k < inverse_depth.size(); ++k) inverse_depth[k] = 1.0 / image.depth[k];
-  for (int j = top; j + h < image.height; j += settings_.stride)
-    for (int i = left; i + h < image.width; i += settings_.stride) {
+  const PixelBox middles = pixels_of(camera, region, {});
+  const int width = image.width, end = std::min(image.height, middles.bottom + h) * width;
+  for (int k = std::max(0, middles.top - h) * width; k < end; ++k)
+    inverse_depth[k] = 1.0 / image.depth[k];
+  for (int j = top; j < std::min(middles.bottom, image.height - h); j += settings_.stride)
+    for (int i = left; i < std::min(middles.right, width - h); i += settings_.stride) {
+      if (j < middles.top || i < middles.left) continue;
       const double z_0 = image.at(i, j);
       if (!(z_0 > 0.0) || !std::isfinite(z_0)) continue;
       const Eigen::Vector3d ray = camera.direction_C(i, j);
@@ -61,8 +71,7 @@ void OrganisedPoints::find(const DepthImage& image, const DepthCamera& camera,
       Vector6d right = Vector6d::Zero();
       int count = 0;
       const auto value = [&](const Pixel& pixel) {
-        return inverse_depth[static_cast<std::size_t>(j + pixel.j) * image.width + i + pixel.i] -
-               base;
+        return inverse_depth[static_cast<std::size_t>(j + pixel.j) * width + i + pixel.i] - base;
       };
       for (const Pixel& pixel : window_) {
         const double v = value(pixel);
@@ -82,27 +91,33 @@ void OrganisedPoints::find(const DepthImage& image, const DepthCamera& camera,
       }
       if (!whole) {
         // Twice: with all that may belong to the surface, then without what is off.
-        bool fitted = false;
-        Vector6d before = Vector6d::Zero();
-        for (int pass = 0; pass < 2; ++pass) {
-          Matrix6d gram = Matrix6d::Zero();
-          right.setZero();
-          count = 0;
-          for (const Pixel& pixel : window_) {
-            const double v = value(pixel);
-            if (!(v > near && v < far)) continue;
-            if (pass > 0 && std::abs(v - before.dot(pixel.basis)) > kOutlier * sigma) continue;
-            gram.noalias() += pixel.basis * pixel.basis.transpose();
-            right += v * pixel.basis;
-            ++count;
+        Matrix6d gram = all;
+        for (const Pixel& pixel : window_)
+          if (const double v = value(pixel); !(v > near && v < far))
+            gram.noalias() -= pixel.basis * pixel.basis.transpose();
+        Eigen::LDLT<Matrix6d> factor;
+        const auto fit_again = [&] {
+          factor.compute(gram.selfadjointView<Eigen::Lower>());
+          fit = factor.solve(right);
+          return count >= least && (count > certain || factor.rcond() > 1e-6);
+        };
+        if (!fit_again()) continue;
+        const Vector6d before = fit;
+        const int first = count;
+        right.setZero();
+        count = 0;
+        for (const Pixel& pixel : window_) {
+          const double v = value(pixel);
+          if (!(v > near && v < far)) continue;
+          if (std::abs(v - before.dot(pixel.basis)) > kOutlier * sigma) {
+            gram.noalias() -= pixel.basis * pixel.basis.transpose();
+            continue;
           }
-          const Eigen::LDLT<Matrix6d> factor(gram.selfadjointView<Eigen::Lower>());
-          fitted = count >= least && factor.rcond() > 1e-6;
-          if (!fitted) break;
-          fit = before = factor.solve(right);
-          variance = factor.solve(Vector6d::Unit(0).eval())[0];
+          right += v * pixel.basis;
+          ++count;
         }
-        if (!fitted) continue;
+        if (count < first && !fit_again()) continue;
+        variance = factor.solve(Vector6d::Unit(0).eval())[0];
       }
       const double inverse = base + fit[0];
       if (!(inverse > 0.0)) continue;
