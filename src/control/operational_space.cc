@@ -125,7 +125,7 @@ TwoJointSpeeds OperationalSpace::joint_speeds(const TwoVelocities& V) const noex
   return back_substituted<TwoJointSpeeds>(Y_, L_, inverse_diagonal_, Lambda_.lazyProduct(V));
 }
 
-Vector6 OperationalSpace::project_to_tip(const JointVector& tau) const noexcept {
+Vector6 OperationalSpace::tip_acceleration(const JointVector& tau) const noexcept {
   JointVector x = tau;
   Vector6 task = Vector6::Zero();
   for (int i = 0; i < x.size(); ++i) {
@@ -133,7 +133,16 @@ Vector6 OperationalSpace::project_to_tip(const JointVector& tau) const noexcept 
     x[i] *= inverse_diagonal_[i];
     task += x[i] * Y_.row(i).transpose();
   }
-  return Lambda_ * task;
+  return task;
+}
+
+Vector6 OperationalSpace::tip_acceleration_by(const Vector6& F) const noexcept {
+  const JointVector x = Y_.lazyProduct(F);
+  return Y_.transpose().lazyProduct(x);
+}
+
+Vector6 OperationalSpace::project_to_tip(const JointVector& tau) const noexcept {
+  return Lambda_ * tip_acceleration(tau);
 }
 
 }  // namespace impedraw

@@ -51,6 +51,9 @@ class OperationalSpace {
   // J̄ V = M⁻¹ Jᵀ Λ V: of all joint velocities that move the tip at V, that of least energy
   JointVector joint_speed(const Vector6& V) const noexcept;
   TwoJointSpeeds joint_speeds(const TwoVelocities& V) const noexcept;
+  // J M⁻¹ τ and J M⁻¹ Jᵀ F, near a singularity without the release
+  Vector6 tip_acceleration(const JointVector& tau) const noexcept;
+  Vector6 tip_acceleration_by(const Vector6& F) const noexcept;
   // J̄ᵀ τ: the wrench at the tip that is equivalent to τ
   Vector6 project_to_tip(const JointVector& tau) const noexcept;
 

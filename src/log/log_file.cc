@@ -105,12 +105,16 @@ double entropy(const std::byte* byte, std::size_t values, std::size_t size) {
   std::array<int, 256> count{};
   for (std::size_t i = 0; i < values; i += stride)
     ++count[static_cast<unsigned char>(byte[i * size])];
-  const double all = static_cast<double>((values + stride - 1) / stride);
-  double bits = 0.0;
-  for (const int c : count) {
-    if (c > 0) bits -= c * std::log2(static_cast<double>(c) / all);
-  }
-  return bits / all;
+  static const std::array<double, 1025> c_log_c = [] {  // a stride leaves at most 1024
+    std::array<double, 1025> table{};
+    for (std::size_t c = 1; c < table.size(); ++c)
+      table[c] = static_cast<double>(c) * std::log2(static_cast<double>(c));
+    return table;
+  }();
+  const std::size_t all = (values + stride - 1) / stride;
+  double bits = c_log_c[all];
+  for (const int c : count) bits -= c_log_c[static_cast<std::size_t>(c)];
+  return bits / static_cast<double>(all);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -83,17 +84,17 @@ bool LinkContact::touches(const Body& body, const Vector3d& a_K, const Vector3d&
   // Intervals of the axis whose middle is far enough are done; the others are halved. The stack
   // holds one interval of each length.
   struct Interval {
-    double begin, end;
+    double begin, end, nearest;  // nearest: its middle is at most so far from the canvas [m]
   };
   Interval open[48];
   int n = 0;
-  open[n++] = {0.0, length};
+  open[n++] = {0.0, length, std::numeric_limits<double>::infinity()};
   *free = kAhead;
   while (n > 0) {
     const Interval at = open[--n];
     const double half = 0.5 * (at.end - at.begin), middle = at.begin + half;
     const Vector3d p = a_K + middle * along;
-    const auto closest = canvas_->closest(p, body.radius + half + kAhead);
+    const auto closest = canvas_->closest(p, std::min(body.radius + half + kAhead, at.nearest));
     if (!closest) continue;  // further away than kAhead everywhere
     if (inside(closest->p_W)) return true;
     const double gap = std::abs(closest->distance) - body.radius;
@@ -102,8 +103,9 @@ bool LinkContact::touches(const Body& body, const Vector3d& a_K, const Vector3d&
       *free = std::min(*free, gap - half);
       continue;
     }
-    open[n++] = {at.begin, middle};
-    open[n++] = {middle, at.end};
+    const double nearest = std::abs(closest->distance) + 0.5 * half + 1e-9;
+    open[n++] = {at.begin, middle, nearest};
+    open[n++] = {middle, at.end, nearest};
   }
   return false;
 }

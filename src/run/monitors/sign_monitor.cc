@@ -57,7 +57,7 @@ Verdict SignMonitor::update(const ArmTerms& arm, const OperationalSpace* space,
   v_ = arm.v;
   const Eigen::Index n = tau.size();
   const Vector6 F = felt_ ? F_ext : Vector6::Zero();
-  const JointVector r = observer_.update(arm, F), pushed = arm.J.transpose().lazyProduct(F);
+  const JointVector r = observer_.update(arm, F);
   observer_.commanded(tau);
   weightless_[step_ % kHistory] = tau - arm.g;
   const JointVector& weightless = weightless_[(step_ + kHistory - 1 - late_) % kHistory];
@@ -66,14 +66,13 @@ Verdict SignMonitor::update(const ArmTerms& arm, const OperationalSpace* space,
   x.head(n) = size.head(n) = weightless;
   y.head(n) = r;
   if (felt_) {
-    const auto along = [&](const JointVector& torque) -> Eigen::Vector3d {
-      return arm.X_WE.R.transpose() * arm.J.topRows<3>().lazyProduct(space->acceleration(torque));
-    };
-    x.tail<3>() = along(pushed);
-    y.tail<3>() = along(r);
-    size.tail<3>() = arm.X_WE.R.transpose() * F.head<3>();
-    const Eigen::Vector3d z = arm.X_WE.R.col(2);
-    held_ = -y[n + 2] / along(arm.J.topRows<3>().transpose().lazyProduct(z)).z();
+    const Eigen::Matrix3d to_pen = arm.X_WE.R.transpose();
+    x.tail<3>() = to_pen * space->tip_acceleration_by(F).head<3>();
+    y.tail<3>() = to_pen * space->tip_acceleration(r).head<3>();
+    size.tail<3>() = to_pen * F.head<3>();
+    Vector6 along = Vector6::Zero();
+    along.head<3>() = to_pen.row(2).transpose();
+    held_ = -y[n + 2] / along.dot(space->tip_acceleration_by(along));
   }
   quick_ += quick_share_ * (x - quick_);
   size_quick_ += quick_share_ * (size - size_quick_);
