@@ -53,9 +53,8 @@ class LiveView::Feed {
     const double f = touches ? row.contact_force.dot(normal) : 0.0;
     if (std::isnan(force_) || std::abs(f - row.push) > std::abs(force_ - row.push)) force_ = f;
     if (touches && f > kInkForce) {
-      tilt_ =
-          larger_of(tilt_, degrees(-normal.dot(row.tip_orientation * Eigen::Vector3d::UnitZ())));
-      normal_error_ = larger_of(normal_error_, degrees(normal.dot(row.surface_normal)));
+      tilt_ = larger_of(tilt_, normal.dot(row.tip_orientation * Eigen::Vector3d::UnitZ()));
+      normal_error_ = larger_of(normal_error_, -normal.dot(row.surface_normal));
     }
     step_time_ = larger_of(step_time_, row.step_time);
     if (row.time < last_ + spacing_ - 1e-9) return;
@@ -87,8 +86,8 @@ class LiveView::Feed {
     put_all(row.contact_point);
     put(force_);
     put(row.push);
-    put(tilt_);
-    put(normal_error_);
+    put(degrees(-tilt_));
+    put(degrees(-normal_error_));
     double torque = 0.0;
     for (Eigen::Index j = 0; j < row.joint_torque.size(); ++j)
       if (std::isfinite(limit_[j]))
@@ -114,7 +113,8 @@ class LiveView::Feed {
   bool moving_canvas_;
   Eigen::VectorXd limit_;
   double spacing_, last_ = -std::numeric_limits<double>::infinity(), share_ = 0.0;
-  double force_ = kNoNumber, tilt_ = kNoNumber, normal_error_ = kNoNumber, step_time_ = kNoNumber;
+  double force_ = kNoNumber, step_time_ = kNoNumber;
+  double tilt_ = kNoNumber, normal_error_ = kNoNumber;  // −cosine: the angle is asked for by row
 };
 
 LiveView::LiveView(const LiveOptions& options) : options_(options) {}
@@ -156,6 +156,7 @@ RunHooks LiveView::hooks() {
     first_ = -1.0;
   };
   hooks.held = [this, begun = steady_clock::now()](double time) mutable {
+    if (options_.pace <= 0.0 && !server_->paused()) return false;  // most steps of most runs
     const auto now = steady_clock::now();
     if (first_ < 0.0) {
       first_ = time;
