@@ -13,10 +13,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kAhead = 0.05;  // search beyond the body's radius [m]
+constexpr double kLonger =
+    1.1;  // a simulated arm and its pen may be longer than the model's shapes
 
 }  // namespace
 
-LinkContact::LinkContact(const mjModel* shape, const Canvas* canvas) : canvas_(canvas) {
+LinkContact::LinkContact(const mjModel* shape, const Canvas* canvas)
+    : canvas_(canvas), q_(Eigen::VectorXd::Zero(shape->nq)) {
   for (int g = 0; g < shape->ngeom; ++g) {
     const int type = shape->geom_type[g];
     Body body;
@@ -39,7 +42,13 @@ LinkContact::LinkContact(const mjModel* shape, const Canvas* canvas) : canvas_(c
              other.radius == body.radius && other.flat == body.flat;
     });  // a URDF may list a body as visual and as collision
     if (!known) bodies_.push_back(body);
+    length_ = std::max({length_, body.a.norm(), body.b.norm()});
   }
+  for (int i = 0; i < shape->nbody; ++i)
+    length_ += Eigen::Map<const Eigen::Matrix<mjtNum, 3, 1>>(shape->body_pos + 3 * i).norm();
+  for (int j = 0; j < shape->njnt; ++j)  // no bound on what slides
+    if (shape->jnt_type[j] != mjJNT_HINGE) length_ = std::numeric_limits<double>::infinity();
+  length_ *= kLonger;
   reset();
 }
 
@@ -48,12 +57,20 @@ void LinkContact::reset() noexcept {
   for (Body& body : bodies_) {
     body.a_K = body.b_K = Vector3d::Zero();
     body.free = -1.0;
+    body.due = 0.0;
   }
+  way_ = 0.0;
 }
 
 void LinkContact::update(const mjData* data, const Pose& X_KW) noexcept {
   if (!canvas_ || !link_.empty()) return;
+  const Eigen::Map<const Eigen::VectorXd> q(data->qpos, q_.size());
+  const bool stands = X_KW.p == X_KW_.p && X_KW.R == X_KW_.R;
+  way_ += stands ? length_ * (q - q_).lpNorm<1>() : std::numeric_limits<double>::infinity();
+  q_ = q;
+  X_KW_ = X_KW;
   for (Body& body : bodies_) {
+    if (way_ < body.due) continue;
     const Eigen::Map<const Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>> R_WL(data->xmat +
                                                                               9 * body.id);
     const Eigen::Map<const Eigen::Matrix<mjtNum, 3, 1>> p_WL(data->xpos + 3 * body.id);
@@ -61,13 +78,17 @@ void LinkContact::update(const mjData* data, const Pose& X_KW) noexcept {
     if (!a_K.allFinite() || !b_K.allFinite()) return;
     // No point of the axis moves further than the end that moves most.
     const double moved2 = std::max((a_K - body.a_K).squaredNorm(), (b_K - body.b_K).squaredNorm());
-    if (body.free > 0.0 && moved2 < body.free * body.free) continue;
+    if (body.free > 0.0 && moved2 < body.free * body.free) {
+      body.due = way_ + body.free - std::sqrt(moved2);
+      continue;
+    }
     body.a_K = a_K;
     body.b_K = b_K;
     if (touches(body, a_K, b_K, &body.free)) {
       link_ = body.link;
       return;
     }
+    body.due = way_ + body.free;
   }
 }
 

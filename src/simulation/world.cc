@@ -169,6 +169,7 @@ void World::set_pen_longer(double longer) noexcept {
   const Eigen::Quaterniond R(turned[0], turned[1], turned[2], turned[3]);
   Eigen::Map<Eigen::Vector3d>(m->body_pos + 3 * mujoco_->tip_body) +=
       (longer - settings_.errors.pen_longer) * (R * Eigen::Vector3d::UnitZ());
+  mujoco_->link_contact->shifted(std::abs(longer - settings_.errors.pen_longer));
   settings_.errors.pen_longer = longer;
   tip_touches_.reset();
   observe();
