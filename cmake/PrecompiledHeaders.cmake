@@ -16,9 +16,13 @@ if(IMPEDRAW_PRECOMPILED_HEADERS)
   set(empty ${PROJECT_BINARY_DIR}/precompiled/empty.cc)
   file(CONFIGURE OUTPUT ${empty} CONTENT "int main() {}\n")
 
-  add_library(impedraw_library_headers OBJECT EXCLUDE_FROM_ALL ${empty})
-  target_link_libraries(impedraw_library_headers PRIVATE Eigen3::Eigen fmt::fmt)
-  target_precompile_headers(impedraw_library_headers PRIVATE ${IMPEDRAW_COMMON_HEADERS})
+  # g++ takes the level of optimisation from the header, whatever it is told beside it.
+  foreach(set library less_optimised)
+    add_library(impedraw_${set}_headers OBJECT EXCLUDE_FROM_ALL ${empty})
+    target_link_libraries(impedraw_${set}_headers PRIVATE Eigen3::Eigen fmt::fmt)
+    target_precompile_headers(impedraw_${set}_headers PRIVATE ${IMPEDRAW_COMMON_HEADERS})
+  endforeach()
+  target_compile_options(impedraw_less_optimised_headers PRIVATE ${IMPEDRAW_LESS_OPTIMISED})
 
   add_library(impedraw_eigen_headers OBJECT EXCLUDE_FROM_ALL ${empty})
   target_link_libraries(impedraw_eigen_headers PRIVATE Eigen3::Eigen)
