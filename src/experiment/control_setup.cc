@@ -131,10 +131,10 @@ void choose_mass(const ControlSettings& given, bool follows_canvas, ImpedanceSet
   constexpr double kMargin = 1.3;        // over the lightest that is stable
   constexpr double kOnAMovingOne = 0.6;  // [kg]
   if (control->wrench == WrenchFeedback::none) return;
-  if (control->inertia == InertiaShaping::light_normal)
-    control->inertia_scale =
-        kMargin * lightest_stable_scale(control->inertia_scale / kMargin,
-                                        control->damping_stiffness().linear.normal, *control);
+  if (control->inertia == InertiaShaping::light_normal && control->inertia_scale < 1.0)
+    control->inertia_scale = std::min(
+        1.0, kMargin * lightest_stable_scale(control->inertia_scale / kMargin,
+                                             control->damping_stiffness().linear.normal, *control));
   if (control->inertia != InertiaShaping::shaped) return;
   double& mass = control->shaped_inertia.linear.normal;
   if (given.mass_normal) {

@@ -14,7 +14,8 @@ namespace impedraw {
 
 inline constexpr double kThinWall = 1.5;  // in cubes
 
-// The cloud without the points of other sides, or as it is if those are few. voxel: side of the cubes [m].
+// The cloud without the points of other sides, or as it is if those are few. voxel: side of the
+// cubes [m].
 PointCloud without_far_sides(const PointCloud& seen, double voxel, const NormalSettings& settings);
 
 }  // namespace impedraw

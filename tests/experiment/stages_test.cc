@@ -71,6 +71,32 @@ TEST(Stages, ThePenIsAsLightAsTheWrenchPermits) {
   }
 }
 
+// Along the normal alone, as light as asked or as the loop is stable with, and never heavier than
+// the arm is.
+TEST(Stages, LightAlongTheNormalIsAsLightAsTheLoopBears) {
+  double last = 0.1;
+  for (const double delay : {0.0, 0.001, 0.002, 0.004, 0.02}) {
+    const std::vector<std::string> late = {"control.wrench=sensor",
+                                           fmt::format("wrench_sensor.delay={}", delay)};
+    const auto scale = [&](const char* inertia, double asked) {
+      std::vector<std::string> all = late;
+      all.push_back(fmt::format("control.inertia={}", inertia));
+      all.push_back(fmt::format("control.inertia_scale={}", asked));
+      return prepare(scenario(all)).control.impedance.inertia_scale;
+    };
+    const double chosen = scale("light_normal", 0.1);
+    EXPECT_GE(chosen, last) << delay;
+    EXPECT_LE(chosen, 1.0) << delay;
+    EXPECT_DOUBLE_EQ(scale("light_normal", 2.0), 2.0);
+    if (chosen > 0.1 && chosen < 1.0) {
+      EXPECT_THROW(scale("scaled", chosen / 1.4), InputError) << delay;
+      EXPECT_DOUBLE_EQ(scale("scaled", chosen), chosen) << delay;
+    }
+    last = chosen;
+  }
+  EXPECT_GT(last, 0.2);
+}
+
 // Stage by stage comes to the same as all at once.
 TEST(Stages, TheStagesAreThePreparation) {
   Scenario s = scenario({"drawing.shape=M"});

@@ -171,7 +171,7 @@ TEST(Repeats, MakeUpForALineThatIsCut) {
     lines.push_back(part);
   }
   EXPECT_GT(before, 0.25);
-  EXPECT_LT(cv(g, dose_of(g, lines, kFoot), strip), 0.3 * before);
+  EXPECT_LT(cv(g, dose_of(g, lines, kFoot), strip), 0.5 * before);
   EXPECT_TRUE(repeats(g, kFoot, strip, lines).empty());
 
   std::vector<char> middle(g.size());
