@@ -212,7 +212,8 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
   if (!given("path.travel_acceleration")) s.path.travel_acceleration = 1.0;
   // A face that leans off the normal presses with one side, and more than the law makes up for.
   if (!given("path.tilt_allowance")) s.path.tilt_allowance_deg = 0.0;
-  if (!given("control.inertia") && s.control.source != WrenchSource::none) {
+  if (!given("control.inertia") && s.control.source != WrenchSource::none &&
+      !s.perception.frames.enabled) {  // a mass of its own follows a canvas that moves better
     s.control.inertia = InertiaShaping::light_normal;
     if (!given("control.inertia_scale")) s.control.inertia_scale = kLighter;
   }
