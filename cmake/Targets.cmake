@@ -37,7 +37,7 @@ function(impedraw_library name)
   endif()
   # What runs once in a call, and waits for files and processes, is not worth the optimiser's time.
   set(headers library)
-  if(ARG_SOURCES AND name MATCHES "^(settings|terminal|files|live|app)$")
+  if(ARG_SOURCES AND name MATCHES "^(settings|terminal|files|app)$")
     target_compile_options(impedraw_${name} PRIVATE ${IMPEDRAW_LESS_OPTIMISED})
     set(headers less_optimised)
   endif()

@@ -214,10 +214,10 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
   // A face that leans off the normal presses with one side, and more than the law makes up for.
   if (!given("path.tilt_allowance")) s.path.tilt_allowance_deg = 0.0;
   if (!given("control.inertia") && s.control.source != WrenchSource::none &&
-      !s.perception.frames.enabled) {  // a mass of its own follows a canvas that moves better
+      !s.perception.frames.enabled)  // a mass of its own follows a canvas that moves better
     s.control.inertia = InertiaShaping::light_normal;
-    if (!given("control.inertia_scale")) s.control.inertia_scale = kLighter;
-  }
+  if (s.control.inertia == InertiaShaping::light_normal && !given("control.inertia_scale"))
+    s.control.inertia_scale = kLighter;
   const double r = s.tool.radius.value_or(PadSettings().radius), voxel = s.perception.voxel;
   NormalSettings& normals = s.perception.normals;
   const int over = static_cast<int>(std::numbers::pi * r * r / (voxel * voxel));

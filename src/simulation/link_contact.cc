@@ -13,8 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kAhead = 0.05;  // search beyond the body's radius [m]
-constexpr double kLonger =
-    1.1;  // a simulated arm and its pen may be longer than the model's shapes
+constexpr double kLonger = 1.1;  // a simulated arm may be longer than the model's shapes
 
 }  // namespace
 

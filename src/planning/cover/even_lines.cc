@@ -124,6 +124,25 @@ Vector2d onto_centres(const SurfaceGrid& g, const std::vector<double>& clearance
   return g.sample(clearance, p) < std::min(0.0, g.sample(clearance, before)) - 0.1e-3 ? before : p;
 }
 
+// A knot of a line that may be repeated.
+struct Knot {
+  double at, way;  // along the line, and from the knot before [m]
+  double own;      // ∫ p dA over the places under the footprint [m²]
+};
+
+std::vector<std::vector<Knot>> knots_of(const SurfaceGrid& g, const std::vector<double>& area,
+                                        const PlaneLines& lines, const Footprint& foot) {
+  std::vector<std::vector<Knot>> all;
+  for (const Line& line : lines) {
+    std::vector<Knot>& knots = all.emplace_back(line.size(), Knot{0.0, 0.0, 0.0});
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      const double way = (g.lifted(line[i]) - g.lifted(line[i - 1])).norm();
+      knots[i] = {knots[i - 1].at + way, way, under(g, area, line[i], foot)};
+    }
+  }
+  return all;
+}
+
 struct Part {
   std::size_t line = 0, from = 0, to = 0;  // knots, the last one included
   double gain = 0.0;                       // of E [m²]
@@ -131,25 +150,22 @@ struct Part {
 
 // The part whose repetition promises the most: a pass at knot i adds w p / d̄ to e, and on average
 // its own chord over a disc besides.
-Part best_part(const SurfaceGrid& g, const Unevenness& u, const std::vector<double>& area,
-               const PlaneLines& lines, const Footprint& foot) {
+Part best_part(const SurfaceGrid& g, const Unevenness& u, const PlaneLines& lines,
+               const std::vector<std::vector<Knot>>& knots, const Footprint& foot) {
   const double chord = 16.0 / (3.0 * std::numbers::pi) * foot.radius;
   Part best;
   for (std::size_t l = 0; l < lines.size(); ++l) {
     const Line& line = lines[l];
-    std::vector<double> gain(line.size()), at(line.size(), 0.0);
-    for (std::size_t i = 1; i < line.size(); ++i) {
-      const double way = (g.lifted(line[i]) - g.lifted(line[i - 1])).norm();
-      at[i] = at[i - 1] + way;
-      gain[i] = -way / u.mean *
-                (2.0 * under(g, u.e_area, line[i], foot) +
-                 chord / u.mean * under(g, area, line[i], foot));
-    }
+    const std::vector<Knot>& on = knots[l];
+    std::vector<double> gain(line.size());
+    for (std::size_t i = 1; i < line.size(); ++i)
+      gain[i] = -on[i].way / u.mean *
+                (2.0 * under(g, u.e_area, line[i], foot) + chord / u.mean * on[i].own);
     for (std::size_t from = 0; from < line.size(); ++from) {
       double sum = 0.0;
       for (std::size_t to = from + 1;
-           to < line.size() && at[to] - at[from] < kLongestPart * foot.radius; ++to)
-        if ((sum += gain[to]) > best.gain && at[to] - at[from] > foot.radius)
+           to < line.size() && on[to].at - on[from].at < kLongestPart * foot.radius; ++to)
+        if ((sum += gain[to]) > best.gain && on[to].at - on[from].at > foot.radius)
           best = {l, from, to, sum};
     }
   }
@@ -161,11 +177,12 @@ Part best_part(const SurfaceGrid& g, const Unevenness& u, const std::vector<doub
 PlaneLines repeats(const SurfaceGrid& g, const Footprint& foot, const std::vector<char>& places,
                    const PlaneLines& lines) {
   const std::vector<double> area = areas_of(g, places);
+  const std::vector<std::vector<Knot>> knots = knots_of(g, area, lines, foot);
   std::vector<double> dose = dose_of(g, lines, foot);
   Unevenness u = unevenness(g, area, dose);
   PlaneLines added;
   while (u.mean > 0.0) {
-    const Part part = best_part(g, u, area, lines, foot);
+    const Part part = best_part(g, u, lines, knots, foot);
     if (!(part.gain > 0.0)) break;
     const auto first = lines[part.line].begin();
     Line piece(first + static_cast<std::ptrdiff_t>(part.from),
