@@ -26,8 +26,7 @@ constexpr double kForceChange = 0.055;  // of the force along the lines at most,
 constexpr double kExact = 1e-3;
 // Of the arm's own inertia along the normal, desired while a pad presses: where the normal turns
 // faster than perception knows it, a lighter tip keeps its force. Foam is soft, so that the loop
-// bears it with a wrench that comes late. With 0.1 a hand that lifts it by 12 N ends the run: what
-// the arm's masses are wrong by then looks like a wrench of the wrong sign.
+// bears it with a wrench that comes late. With 0.1 a hand of 40 N once drove it off by 0.2 m.
 constexpr double kLighter = 0.15;
 // Of the centres from places that the arm does not reach [m].
 constexpr double kOffReach = 1e-3;

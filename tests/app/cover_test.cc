@@ -120,15 +120,19 @@ TEST_F(Cover, KeepsItsLinesWithinTheReach) {
   EXPECT_NE(said().find("or where the arm does not reach"), std::string::npos) << said();
 }
 
-// A hand lifts the pad for a while: nothing stays untreated and unsaid.
+// A hand lifts the pad for a while: nothing stays untreated and unsaid. As it let go of 15 N, the
+// light tip's answer was taken for that to a wrench that is made up.
 TEST_F(Cover, KnowsWhatAHandHindered) {
-  ASSERT_EQ(run(window("1") + " --set 'pushes=[{force: 0, lift: 12, middle: 0.5, "
-                              "duration: 0.6}]'"),
-            0)
-      << said();
-  const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
-  EXPECT_GT(metrics["treated_share"], 0.995);
-  EXPECT_EQ(metrics["unsaid_share"], 0.0);
+  for (const std::string lift : {"12", "15"}) {
+    SCOPED_TRACE(lift + " N");
+    ASSERT_EQ(run(window("1") + " --overwrite --set 'pushes=[{force: 0, lift: " + lift +
+                  ", middle: 0.5, duration: 0.6}]'"),
+              0)
+        << said();
+    const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+    EXPECT_GT(metrics["treated_share"], 0.995);
+    EXPECT_EQ(metrics["unsaid_share"], 0.0);
+  }
 }
 
 // A groove in a material that is a fifth harder than believed, and in a fifth softer.

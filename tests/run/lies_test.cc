@@ -509,6 +509,14 @@ TEST(Lies, AWrongSignIsNamedBeforeThePenHitsTheCanvas) {
   }
 }
 
+// Its law answers with several times the wrench, which hides a part of what nothing explains.
+TEST(Lies, OfALightPadAreNamed) {
+  Prepared e = prepared("bowl-sine-real", {"tool.kind=pad", "control.inertia=light_normal",
+                                           "control.inertia_scale=0.15"});
+  Liar arm(e, [](ArmState* s) { s->wrench = -s->wrench; });
+  EXPECT_THAT(run(e, arm, {}, 0.0).cause, HasSubstr("against the measured wrench"));
+}
+
 TEST(Lies, AWrenchThatStandsStillIsNamedAsThePenIsLifted) {
   Prepared e = prepared("bowl-sine");
   const double from = time_at(e.plan.path, 0.5);

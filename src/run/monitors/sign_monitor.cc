@@ -13,6 +13,7 @@ constexpr double kSlowTorque = 80.0, kSlowWrench = 12.0;  // [rad/s]
 constexpr double kOpposed = 1.5, kMost = 2.5, kMadeUp = 0.8, kAlike = 0.94;
 constexpr double kLeastForce = 0.8, kLeastPush = 5.0;  // of the push, that counts from there [N]
 constexpr double kMadeUpForce = 9.0, kPull = 2.5;      // [N]
+constexpr double kMasses = 0.1;                        // of the tip's acceleration
 constexpr double kHabit = 0.1, kAboveHabit = 9.0;      // [rad/s]; of squares
 constexpr double kLeastTorque = 2.0, kShare = 0.01;    // [Nm], of the limit
 constexpr int kLasts = 4;                              // cycles: longer than an outlier
@@ -45,6 +46,7 @@ SignMonitor::SignMonitor(const ImpedanceSettings& s, const JointVector& torque_l
   weightless_.fill(v_);
   quick_ = x_slow_ = y_slow_ = size_quick_ = size_slow_ = xx_ = xy_ = yy_ = sizes_ = habit_ =
       Channels::Zero(least_.size());
+  all_quick_ = all_slow_ = alls_ = Eigen::Array3d::Zero();
 }
 
 Verdict SignMonitor::update(const ArmTerms& arm, const OperationalSpace* space,
@@ -63,6 +65,7 @@ Verdict SignMonitor::update(const ArmTerms& arm, const OperationalSpace* space,
   const JointVector& weightless = weightless_[(step_ + kHistory - 1 - late_) % kHistory];
   ++step_;
   Channels x = Channels::Zero(n + 3), y = x, size = x;
+  Eigen::Array3d all = Eigen::Array3d::Zero();
   x.head(n) = size.head(n) = weightless;
   y.head(n) = r;
   if (felt_) {
@@ -70,21 +73,25 @@ Verdict SignMonitor::update(const ArmTerms& arm, const OperationalSpace* space,
     x.tail<3>() = to_pen * space->tip_acceleration_by(F).head<3>();
     y.tail<3>() = to_pen * space->tip_acceleration(r).head<3>();
     size.tail<3>() = to_pen * F.head<3>();
+    all = x.tail<3>() + (to_pen * space->tip_acceleration(weightless).head<3>()).array();
     Vector6 along = Vector6::Zero();
     along.head<3>() = to_pen.row(2).transpose();
     held_ = -y[n + 2] / along.dot(space->tip_acceleration_by(along));
   }
   quick_ += quick_share_ * (x - quick_);
   size_quick_ += quick_share_ * (size - size_quick_);
+  all_quick_ += quick_share_ * (all - all_quick_);
   x_slow_ += slow_ * (quick_ - x_slow_);
   y_slow_ += slow_ * (y - y_slow_);
   size_slow_ += slow_ * (size_quick_ - size_slow_);
+  all_slow_ += slow_.tail<3>() * (all_quick_ - all_slow_);
   x = quick_ - x_slow_;
   y -= y_slow_;
   xx_ += mean_share_ * (x * x - xx_);
   xy_ += mean_share_ * (x * y - xy_);
   yy_ += mean_share_ * (y * y - yy_);
   sizes_ += mean_share_ * ((size_quick_ - size_slow_).square() - sizes_);
+  alls_ += mean_share_ * ((all_quick_ - all_slow_).square() - alls_);
   habit_ += habit_share_ * (yy_ - habit_);
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     // A fading product is the end of a push, and of the friction beside it.
@@ -94,7 +101,8 @@ Verdict SignMonitor::update(const ArmTerms& arm, const OperationalSpace* space,
     const bool joint = i < n, pulls = i == n + 2 && size_quick_[i] > kPull;
     const bool within = slope > -kMost;
     const bool opposed = within && slope < -kOpposed && (rms > least_[i] || pulls);
-    const bool made_up = within && !joint && slope < -kMadeUp && rms > kMadeUpForce;
+    const bool made_up = within && !joint && slope < -kMadeUp &&
+                         rms * (1.0 - kMasses * std::sqrt(alls_[i - n] / xx_[i])) > kMadeUpForce;
     if (!opposed && !made_up) continue;
     if (++lasts_ < kLasts) return {};
     if (joint)

@@ -3,6 +3,8 @@
 //   r     of each joint, M v̇ + C v + g − τ − Jᵀ F_ext: torque that nothing explains
 //         (momentum_observer.h)
 //   x→y   of each joint: τ − g → r.  Of each axis of the pen: J M⁻¹ Jᵀ F_ext → J M⁻¹ r.
+//   z     of each axis of the pen: J M⁻¹ (τ − g + Jᵀ F_ext), the tip's acceleration by all that is
+//         known
 //
 // A sign that is wrong makes y = −2 x; a wrench that is made up makes y = −x. Of changes, with ⟨⟩
 // their mean over some 20 ms, of an x that grows and ⟨x y⟩² > 0.94 ⟨x²⟩⟨y²⟩:
@@ -16,6 +18,10 @@
 //   made up   the same below −0.8, with 9 N
 //   pull      as `wrench`, where the force has pulled at the pen along its axis by 2.5 N for 5 ms:
 //             no surface pulls, and the law already drives the pen into it
+//
+// A law that makes the tip light answers a push with several times its force: z is 1/c of x. Masses
+// that are wrong by a tenth then make y a tenth of z, in step with x, and dry friction adds to it.
+// √⟨x²⟩ less a tenth of √⟨z²⟩ is what counts as made up.
 //
 // An arm that shakes, for springs in its joints that nobody told, moves against torques and forces
 // all the time: ⟨y²⟩ counts above 9 times its mean over the last 10 s alone.
@@ -70,9 +76,10 @@ class SignMonitor {
   Channels least_;  // √⟨x²⟩ of what is judged [Nm], [N]
   Channels slow_;   // the share of a step that the slow means follow
   Channels quick_, x_slow_, y_slow_;
-  Channels size_quick_, size_slow_;  // of τ − g and F_ext
-  Channels xx_, xy_, yy_, sizes_;    // ⟨⟩ of squares
-  Channels habit_;                   // of ⟨y²⟩
+  Channels size_quick_, size_slow_;             // of τ − g and F_ext
+  Eigen::Array3d all_quick_, all_slow_, alls_;  // of z, and ⟨z²⟩
+  Channels xx_, xy_, yy_, sizes_;               // ⟨⟩ of squares
+  Channels habit_;                              // of ⟨y²⟩
 };
 
 }  // namespace impedraw
