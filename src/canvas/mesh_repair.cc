@@ -151,7 +151,7 @@ class Grid {
   Grid(const Eigen::AlignedBox3d& bounds, double tolerance, const std::vector<Vector3d>& kept,
        std::size_t most)
       : origin_(bounds.min()), tolerance_(tolerance), kept_(kept) {
-    slots_.assign(std::bit_ceil(2 * most), -1);
+    slots_.resize(std::bit_ceil(2 * most));
     // Eight tolerances wide, so that most vertices search a single cell; wider if the cells would
     // exceed the key's range.
     cell_ = std::max({8 * tolerance, bounds.sizes().maxCoeff() / ((1 << kBits) - 8), 1e-300});
@@ -167,7 +167,7 @@ class Grid {
     for (int x = from.x(); x <= to.x(); ++x)
       for (int y = from.y(); y <= to.y(); ++y)
         for (int z = from.z(); z <= to.z(); ++z)
-          for (int v = slots_[slot(key(x, y, z))]; v >= 0; v = next_[v]) {
+          for (int v = slots_[slot(key(x, y, z))].last; v >= 0; v = next_[v]) {
             if ((best < 0 || v < best) && (kept_[v] - p).squaredNorm() <= tolerance_ * tolerance_)
               best = v;
           }
@@ -177,10 +177,14 @@ class Grid {
   // Adds the last vertex of `kept`.
   void add() {
     const int v = static_cast<int>(kept_.size()) - 1;
-    int& head = slots_[slot(key_of(v))];
-    next_.push_back(head);
-    head = v;
+    const std::uint64_t at = key_of(kept_.back());
+    Slot& cell = slots_[slot(at)];
+    next_.push_back(cell.last);
+    cell = {v, mark_of(at)};
   }
+
+  // Fetches into the cache what find() and add() will read for p.
+  void prefetch(const Vector3d& p) const { __builtin_prefetch(&slots_[first_slot(key_of(p))]); }
 
  private:
   // Adds 1, since a vertex may search cells before the first.
@@ -188,22 +192,33 @@ class Grid {
     return (std::uint64_t(x + 1) << 2 * kBits) | (std::uint64_t(y + 1) << kBits) |
            std::uint64_t(z + 1);
   }
-  std::uint64_t key_of(int v) const {
-    const Eigen::Vector3i at = ((kept_[v] - origin_) / cell_).array().floor().cast<int>();
+  std::uint64_t key_of(const Vector3d& p) const {
+    const Eigen::Vector3i at = ((p - origin_) / cell_).array().floor().cast<int>();
     return key(at.x(), at.y(), at.z());
   }
+  static std::uint32_t mark_of(std::uint64_t key) {
+    return static_cast<std::uint32_t>(key * 0x9E3779B97F4A7C15u);
+  }
+  std::size_t first_slot(std::uint64_t key) const {
+    return ((key * 0x9E3779B97F4A7C15u) >> 20) & (slots_.size() - 1);
+  }
   std::size_t slot(std::uint64_t key) const {
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t i = ((key * 0x9E3779B97F4A7C15u) >> 20) & mask;
-    while (slots_[i] >= 0 && key_of(slots_[i]) != key) i = (i + 1) & mask;
+    std::size_t i = first_slot(key);
+    while (slots_[i].last >= 0 &&
+           (slots_[i].mark != mark_of(key) || key_of(kept_[slots_[i].last]) != key))
+      i = (i + 1) & (slots_.size() - 1);
     return i;
   }
 
   Vector3d origin_;
   double tolerance_, cell_;
   const std::vector<Vector3d>& kept_;
-  std::vector<int> slots_;  // the last vertex of a cell
-  std::vector<int> next_;   // vertex in the same cell
+  struct Slot {
+    int last = -1;           // vertex of a cell
+    std::uint32_t mark = 0;  // of the cell's key: another cell's vertex is hardly ever looked at
+  };
+  std::vector<Slot> slots_;
+  std::vector<int> next_;  // vertex in the same cell
 };
 
 }  // namespace
@@ -216,7 +231,11 @@ TriangleMesh merge_vertices(const TriangleMesh& mesh, double tolerance) {
   merged.triangles.reserve(mesh.triangles.size());
   Grid grid(bounds, tolerance, merged.vertices, mesh.vertices.size());
   std::vector<int> now(mesh.vertices.size(), -1);
-  for (const auto& t : mesh.triangles) {
+  constexpr std::size_t kAhead = 6;  // triangles: a large mesh's slots are not in the cache
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Eigen::Vector3i& t = mesh.triangles[i];
+    if (i + kAhead < mesh.triangles.size())
+      for (const int v : mesh.triangles[i + kAhead]) grid.prefetch(mesh.vertices[v]);
     Eigen::Vector3i corners;
     for (int k = 0; k < 3; ++k) {
       int& v = now[t[k]];
