@@ -16,7 +16,9 @@ namespace {
 constexpr double kMostSmear = 2e-4;  // of an edge's ends beside the line [m]
 constexpr double kLook = 5e-3;       // between places on the surface [m]
 
-// A pad on a surface that bends by more than its foam gives: it touches about its middle alone.
+// A pad on a surface that bends by more than its foam gives: it touches about its middle alone. A
+// paraboloid that falls by s to the rim presses a foam, which a plane would press in by δ, in by
+// δ + s/2 at the middle, or, where the rim does not touch (s > 2 δ), by √(2 δ s).
 void require_rim(const Scenario& s, const Plan& plan, const SurfaceHeight& surface,
                  const SettingErrors& errors) {
   const std::optional<PadSettings> pad = face_of(s);
@@ -37,17 +39,18 @@ void require_rim(const Scenario& s, const Plan& plan, const SurfaceHeight& surfa
       const auto there = surface(q.x(), q.y(), last);
       if (there) least = std::min(least, n.dot(middle->p_P - there->p_P));
     }
-    if (!std::isfinite(least) || least <= pad->rest) continue;
+    if (!std::isfinite(least) || least <= 2.0 * pad->rest) continue;
+    const double pressed = std::sqrt(2.0 * pad->rest * least);
     const auto place =
         place_on(plan.strokes[static_cast<std::size_t>(sample.stroke)], sample.along);
     errors.raise(
         {"tool.radius", "control.normal_force", "tool.kind"},
         fmt::format("tool.radius: a pad of {:.1f} mm touches about its middle alone, its "
-                    "rim is {:.2f} mm above the surface where the foam is pressed in by "
+                    "rim stays {:.2f} mm off the surface where the middle presses the foam in by "
                     "{:.2f} mm: stroke {}, at page ({:.1f}, {:.1f}) mm; valid is a smaller "
                     "pad, softer foam or more force",
-                    2e3 * pad->radius, 1e3 * least, 1e3 * pad->rest, sample.stroke, place.page.x(),
-                    place.page.y()));
+                    2e3 * pad->radius, 1e3 * (least - pressed), 1e3 * pressed, sample.stroke,
+                    place.page.x(), place.page.y()));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 #include <string>
 
@@ -200,6 +201,16 @@ TEST_F(Cover, NamesAPadThatDoesNotFitALine) {
                 "draw"),
             2);
   EXPECT_NE(said().find("touches about its middle alone"), std::string::npos) << said();
+  // The dome falls by 0.34 mm to the rim: it touches where 5 N press a foam in by half of that.
+  const double area = std::numbers::pi * 0.015 * 0.015;
+  for (const double of_half : {1.3, 0.8}) {
+    const double stiffness = 5.0 / area / (of_half * 0.17e-3);
+    run("scenarios/cover-dome.yaml --set drawing.shape=circle --set tool.foam_stiffness=" +
+            std::to_string(stiffness),
+        "plan");
+    EXPECT_EQ(said().find("touches about its middle alone") == std::string::npos, of_half > 1.0)
+        << said();
+  }
 }
 
 TEST_F(Cover, CoversAColourOfAMesh) {
