@@ -34,6 +34,8 @@ namespace fs = std::filesystem;
 // Lines that keep within the arm's reach treat more evenly, but are not to promise less than this
 // share of what the lines do that are cut where the reach ends.
 constexpr double kOfDraft = 0.93;
+// How often lines are laid anew that left the reach again, elsewhere.
+constexpr int kRelaid = 1;
 
 // Both maps of a run, fed row by row.
 class Judge {
@@ -97,13 +99,14 @@ std::vector<char> promised_places(const Experiment& e, const CoverPlan& plan,
   return swept(on, lines, plan.wish.footprint.radius - kAstray);
 }
 
-// What a perfect planner reaches with this arm: less what the arm cannot reach on any of the lines.
+// What a perfect planner reaches with this arm: what is promised, and what else the footprint fits,
+// less what the arm cannot reach on any of the lines.
 std::vector<char> reachable_by_arm(const CoverPlan& plan, const TrueCover& truth,
                                    const std::vector<char>& promised) {
   std::vector<char> places = truth.reachable;
   const std::vector<char> beyond = swept(truth.grid, plan.beyond_arm, plan.wish.footprint.radius);
   for (std::size_t v = 0; v < places.size(); ++v)
-    places[v] = places[v] && (promised[v] || !beyond[v]);
+    places[v] = promised[v] || (places[v] && !beyond[v]);
   return places;
 }
 
@@ -263,11 +266,14 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   };
   lay(plan, laid_in, 0.3);
   CoverPlan within = plan;
-  const bool beyond = keep_within_reach(scenario, *laid, &within);
+  bool beyond = keep_within_reach(scenario, *laid, &within);
   plan.beyond_arm = within.beyond_arm;
   bool cut = keep_drawn(scenario, *laid, &plan);
   if (beyond) {
-    lay(within, laid_in, 0.5);
+    for (int round = 0; beyond; ++round) {
+      lay(within, laid_in, 0.5);
+      beyond = round < kRelaid && keep_within_reach(scenario, *laid, &within);
+    }
     const bool cut_within = keep_drawn(scenario, *laid, &within);
     if (within.promised_area >= kOfDraft * plan.promised_area) {
       plan = std::move(within);

@@ -280,8 +280,10 @@ bool keep_within_reach(const Scenario& s, const PlannedDrawing& drawing, CoverPl
   for (std::size_t v = 0; v < g.size(); ++v) reached[v] = !(to_lost[v] < to_kept[v] + g.step);
   if (std::ranges::count(reached, 0) == 0) return false;
   Centres& c = plan->centres;
-  c.within_reach = distance_to_edge(g, reached);
+  const std::vector<double> within = distance_to_edge(g, reached);
+  if (c.within_reach.empty()) c.within_reach.assign(g.size(), kFar);
   for (std::size_t v = 0; v < g.size(); ++v) {
+    c.within_reach[v] = std::min(c.within_reach[v], within[v]);
     c.clearance[v] = std::min(c.clearance[v], c.within_reach[v] - kOffReach);
     c.allowed[v] = c.clearance[v] >= 0.0;
   }
