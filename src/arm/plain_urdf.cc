@@ -12,6 +12,7 @@
 #include "impedraw/arm/urdf_inertia.h"
 #include "impedraw/arm/urdf_tree.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/rotation_vector.h"
 
 namespace impedraw {
 namespace {
@@ -43,7 +44,7 @@ bool has_no_size(const UrdfElement* shape) {
 void add_body(UrdfElement* link, const Capsule& c) {
   auto* collision = link->InsertNewChildElement("collision");
   const double length = std::max(1e-4, (c.b - c.a).norm());
-  Isometry3d X(Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), c.b - c.a));
+  Isometry3d X(turn_between(Vector3d::UnitZ(), c.b - c.a));
   if ((c.b - c.a).norm() < 1e-9) X.setIdentity();
   set_placement(collision, X.pretranslate(0.5 * (c.a + c.b)));
   auto* shape = collision->InsertNewChildElement("geometry")->InsertNewChildElement("capsule");
@@ -375,8 +376,7 @@ Mount find_mount(const UrdfTree& tree, const std::string& flange, std::vector<st
       if (name_of(end.links[i]) != mount.flange) continue;
       const Vector3d out = end.X_RL[i].linear().transpose() *
                            outwards(tree.way_to(mount.flange), end.X_RL[i].translation());
-      if (flange.empty() && out.z() < 0.99)
-        mount.X_FM.rotate(Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), out));
+      if (flange.empty() && out.z() < 0.99) mount.X_FM.rotate(turn_between(Vector3d::UnitZ(), out));
       notes->push_back(fmt::format("the pen stands on '{}', along its ({:.2f}, {:.2f}, {:.2f})",
                                    mount.flange, mount.X_FM(0, 2), mount.X_FM(1, 2),
                                    mount.X_FM(2, 2)));

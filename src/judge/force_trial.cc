@@ -259,7 +259,7 @@ CrispLaw::CrispLaw(const JointVector& q_0, const CrispGains& gains)
 const JointVector& CrispLaw::step(const ArmTerms& arm, const TipReference& reference,
                                   double press) noexcept {
   if (!begun_) R_WD_ = arm.X_WE.R;
-  R_WD_ = Eigen::Quaterniond::FromTwoVectors(R_WD_.col(2), -reference.n_WD) * R_WD_;
+  R_WD_ = turn_between(R_WD_.col(2), -reference.n_WD) * R_WD_;
   const Eigen::AngleAxisd turn(Eigen::Matrix3d(R_WD_ * arm.X_WE.R.transpose()));
   const auto clipped = [](const Eigen::Vector3d& x, double most) {
     return Eigen::Vector3d(x.cwiseMax(-most).cwiseMin(most));

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
+#include "impedraw/common/rotation_vector.h"
 
 namespace impedraw {
 namespace {
@@ -116,8 +117,7 @@ void Executor::go_to(const Move& move) {
   const double begin = arm_.time(), duration = move.until - begin;
   const TipReference from = rest_;
   const Eigen::Vector3d way = move.place_W - from.p_WD;
-  const Eigen::AngleAxisd turn(
-      Eigen::Quaterniond::FromTwoVectors(from.n_WD, move.normal_W.value_or(from.n_WD)));
+  const Eigen::AngleAxisd turn(turn_between(from.n_WD, move.normal_W.value_or(from.n_WD)));
   const auto goes_on = [&] {
     if (move.normal_W && !lift_ && arm_.loop().F_ext().head<3>().norm() > kBump)
       react({Severity::lift, fmt::format("the pen met something in the air at t = {:.3f} s, on its "

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "impedraw/common/rotation_vector.h"
 #include "impedraw/run/run_folder.h"
 
 namespace impedraw {
@@ -64,8 +65,7 @@ void fill_state(const Experiment& e, const Cycle& cycle, LogRow* row) {
   row->tip_velocity = truth ? truth->V_WE : cycle.arm.V_WE;
   row->desired_position = out.p_WD;
   // The desired tip frame: −z along the desired normal, rotated about it like the current tip.
-  row->desired_orientation =
-      Eigen::Quaterniond::FromTwoVectors(X_WE.R.col(2), -out.axis_WD) * row->tip_orientation;
+  row->desired_orientation = turn_between(X_WE.R.col(2), -out.axis_WD) * row->tip_orientation;
   const ImpedanceSettings& control = e.control.impedance;
   row->wrench_measured =
       control.wrench == WrenchFeedback::measured ? cycle.F_ext : Wrench(Wrench::Zero());

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/common/rotation_vector.h"
 #include "impedraw/simulation/describe_world.h"
 
 namespace impedraw {
@@ -66,8 +67,7 @@ PenChanges::PenChanges(const Experiment& e, std::vector<StrokePart> left, const 
   } else if (checks_ && !e.plan.strokes.empty()) {
     const Eigen::Vector2d& first = e.plan.strokes.front().p_P.front();
     if (const SurfaceHeight::Sample there = e.surface()(first.x(), first.y())) {
-      const Eigen::Quaterniond upright =
-          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), there->n_P);
+      const Eigen::Quaterniond upright = turn_between(Eigen::Vector3d::UnitZ(), there->n_P);
       spot_ = e.artwork.X_WP * Pose{there->p_P, upright.toRotationMatrix()};
     }
   }

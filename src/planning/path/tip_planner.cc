@@ -12,6 +12,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/in_parallel.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/common/rotation_vector.h"
 #include "impedraw/planning/describe_path.h"
 #include "impedraw/planning/path/stroke_fit.h"
 
@@ -84,7 +85,7 @@ class Planner {
 
  private:
   static Vector3d carried(const Vector3d& x, const Vector3d& from, const Vector3d& to) {
-    return Eigen::Quaterniond::FromTwoVectors(from, to) * x;
+    return turn_between(from, to) * x;
   }
 
   // The turn about n that the heading x needs before the part.
