@@ -173,12 +173,6 @@ void keep_what_hides(const std::vector<Vector3d>& standing, const std::map<CubeK
       (*kept)[static_cast<std::size_t>(part.at(cube_at(p, kGap)))] = 1;
 }
 
-void append_point(const PointCloud& from, std::size_t i, PointCloud* to) {
-  to->points.push_back(from.points[i]);
-  to->camera.push_back(from.camera[i]);
-  if (!from.rgb.empty()) to->rgb.insert(to->rgb.end(), &from.rgb[3 * i], &from.rgb[3 * i] + 3);
-}
-
 }  // namespace
 
 FoundCanvas find_canvas(const PointCloud& cloud, const DrawnAbout& drawing,
@@ -233,7 +227,7 @@ FoundCanvas find_canvas(const PointCloud& cloud, const DrawnAbout& drawing,
     const auto at = part.find(cube_at(p, kGap));
     // A cube that holds no point of the thinned cloud is at a part's fringe.
     const bool strange = !lies && at != part.end() && !kept[static_cast<std::size_t>(at->second)];
-    append_point(cloud, i, lies || strange ? &found.beside : &found.canvas);
+    append(cloud, i, lies || strange ? &found.beside : &found.canvas);
     Removed& of = removed[static_cast<std::size_t>(cloud.camera[i])];
     of.table += lies, all.table += lies;
     of.beside += strange, all.beside += strange;

@@ -159,11 +159,11 @@ std::vector<char> inner_places(const CoverPlan& plan, const PlaneLines& lines) {
 void promise(const Scenario& s, const std::vector<char>& inner, bool refused, CoverPlan* cover) {
   CoverPlan& plan = *cover;
   PlaneLines& lines = plan.lines.passes;
-  for (auto& part : repeats(plan.grid, plan.wish.footprint, inner, lines))
+  for (auto& part : repeats(plan.grid, plan.centres.feet, inner, lines))
     lines.push_back(std::move(part));
   plan.promised_area =
       area_of(plan.grid, swept(plan.grid, lines, plan.wish.footprint.radius - kAstray));
-  plan.forces = even_forces(plan.grid, lines, plan.wish.footprint, inner, kForceChange);
+  plan.forces = even_forces(plan.grid, lines, plan.centres.feet, inner, kForceChange);
   for (auto& pass : plan.forces)
     for (double& f : pass) f *= s.control.normal_force;
   plan.notes.clear();
@@ -184,8 +184,7 @@ void lay_lines(const Scenario& s, CoverPlan* cover) {
     l.lines =
         cover_lines(plan.grid, plan.centres, plan.wish, i == 0 ? Layout::rows : Layout::rings);
     l.inner = inner_places(plan, l.lines.passes);
-    l.uneven = even_lines(plan.grid, plan.centres.clearance, plan.wish.footprint, l.inner,
-                          l.lines.edges, &l.lines.passes);
+    l.uneven = even_lines(plan.grid, plan.centres, l.inner, l.lines.edges, &l.lines.passes);
   });
   Laid& better = laid[1].uneven < laid[0].uneven ? laid[1] : laid[0];
   plan.lines = std::move(better.lines);

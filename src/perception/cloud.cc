@@ -46,6 +46,13 @@ void validate(const std::vector<DepthImage>& images, const std::vector<DepthCame
 
 }  // namespace
 
+void append(const PointCloud& from, std::size_t i, PointCloud* to) {
+  to->points.push_back(from.points[i]);
+  to->camera.push_back(from.camera[i]);
+  if (!from.weight.empty()) to->weight.push_back(from.weight[i]);
+  if (!from.rgb.empty()) to->rgb.insert(to->rgb.end(), &from.rgb[3 * i], &from.rgb[3 * i] + 3);
+}
+
 bool inside(const Capsule& capsule, double padding, const Vector3d& p) noexcept {
   const Vector3d axis = capsule.b_W - capsule.a_W;
   const double length2 = axis.squaredNorm();

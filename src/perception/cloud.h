@@ -24,6 +24,9 @@ struct PointCloud {
   std::vector<std::uint8_t> rgb;      // three bytes a point; may be empty
 };
 
+// Appends point i with its camera, weight and colour; a normal is for an estimator to find.
+void append(const PointCloud& from, std::size_t i, PointCloud* to);
+
 // 0xRRGGBB of each point; empty without colours.
 inline std::vector<int> packed_colours(const PointCloud& cloud) {
   std::vector<int> packed;

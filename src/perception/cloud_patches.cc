@@ -49,13 +49,8 @@ PointCloud in_tree_order(const PointCloud& cloud, const NormalSettings& s) {
   validate(cloud, s);
   PointCloud ordered;
   ordered.eyes = cloud.eyes;
-  for (const int i : tree_order(cloud.points)) {
-    ordered.points.push_back(cloud.points[i]);
-    ordered.weight.push_back(cloud.weight.empty() ? 1.0 : cloud.weight[i]);
-    ordered.camera.push_back(cloud.camera[i]);
-    if (!cloud.rgb.empty())
-      ordered.rgb.insert(ordered.rgb.end(), &cloud.rgb[3 * i], &cloud.rgb[3 * i] + 3);
-  }
+  for (const int i : tree_order(cloud.points)) append(cloud, static_cast<std::size_t>(i), &ordered);
+  if (cloud.weight.empty()) ordered.weight.assign(ordered.points.size(), 1.0);
   return ordered;
 }
 

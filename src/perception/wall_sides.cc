@@ -93,10 +93,7 @@ PointCloud without_far_sides(const PointCloud& seen, double voxel, const NormalS
     if (view.tree && view.tree->nearest(seen.points[i], 1, kAbout * voxel, &nearest, &squared) &&
         view.far[static_cast<std::size_t>(nearest)])
       continue;
-    left.points.push_back(seen.points[i]);
-    left.camera.push_back(seen.camera[i]);
-    if (!seen.weight.empty()) left.weight.push_back(seen.weight[i]);
-    if (!seen.rgb.empty()) left.rgb.insert(left.rgb.end(), &seen.rgb[3 * i], &seen.rgb[3 * i] + 3);
+    append(seen, i, &left);
   }
   const double kept = static_cast<double>(left.points.size());
   return kept > (1.0 - kWall) * static_cast<double>(seen.points.size()) ? seen : left;

@@ -66,8 +66,9 @@ Line smoothed(Line line) {
 }
 
 // Share of the footprint's places that touch.
-double touching(const SurfaceGrid& g, std::size_t centre, const Footprint& foot) {
-  const PressedFoot pressed(g, g.point(centre), foot);
+double touching(const SurfaceGrid& g, std::size_t centre, const PressedFeet& feet) {
+  const PressedFoot pressed = feet.at(g, g.plane(centre));
+  const Footprint& foot = feet.foot();
   int all = 0, touch = 0;
   around(g, g.point(centre), foot.radius, [&](std::size_t v) {
     const double depth = pressed.depth(g.point(v));
@@ -206,24 +207,9 @@ std::vector<double> ring_distances(double spacing) {
 
 }  // namespace
 
-PressedFoot::PressedFoot(const SurfaceGrid& g, const Eigen::Vector3d& centre, const Footprint& foot)
-    : centre_(centre), compression_(foot.compression) {
-  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  around(g, centre, foot.radius, [&](std::size_t v) {
-    const Eigen::Vector3d d = g.point(v) - centre, x(1.0, d.x(), d.y());
-    A += x * x.transpose();
-    b += d.z() * x;
-  });
-  plane_ = A.ldlt().solve(b);
-  along_normal_ = 1.0 / std::sqrt(1.0 + plane_.tail<2>().squaredNorm());
-  double sum = 0.0;
-  around(g, centre, foot.radius, [&](std::size_t v) { sum += std::max(0.0, depth(g.point(v))); });
-  if (sum > 0.0) mean_ = sum / A(0, 0);
-}
-
 Centres footprint_centres(const SurfaceGrid& g, const CoverWish& wish) {
   Centres c;
+  c.feet = PressedFeet(g, wish.footprint);
   std::vector<char> inside(g.size());
   for (std::size_t v = 0; v < g.size(); ++v) {
     inside[v] = g.known[v] && (wish.region.empty() || wish.region[v]);
@@ -235,7 +221,7 @@ Centres footprint_centres(const SurfaceGrid& g, const CoverWish& wish) {
   for (std::size_t v = 0; v < g.size(); ++v) {
     c.clearance[v] -= keep;
     c.on_edge += inside[v] && c.clearance[v] < 0.0;
-    if (c.clearance[v] < -g.step || touching(g, v, wish.footprint) >= kTouching) continue;
+    if (c.clearance[v] < -g.step || touching(g, v, c.feet) >= kTouching) continue;
     even[v] = 0;
     c.uneven += c.clearance[v] >= 0.0;
   }

@@ -13,20 +13,13 @@
 // Rounded   a polyline has its bend in its corners, where the path would have to slow down
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "impedraw/planning/cover/surface_grid.h"
+#include "impedraw/planning/cover/pressed_foot.h"
 
 namespace impedraw {
-
-struct Footprint {
-  double radius = 0.015;      // [m]
-  double compression = 1e-3;  // δ, of the foam under the force asked for [m]
-  double thickness = 0.01;    // of the foam [m]
-};
 
 struct CoverWish {
   Footprint footprint;
@@ -38,25 +31,9 @@ struct CoverWish {
 
 inline constexpr double kTouching = 0.98;
 
-// A footprint's foam on the surface, pressed by a disc whose plane is that of the places under it.
-class PressedFoot {
- public:
-  PressedFoot(const SurfaceGrid& grid, const Eigen::Vector3d& centre, const Footprint& foot);
-  // δ + h: < 0 where the foam does not touch [m].
-  double depth(const Eigen::Vector3d& p) const {
-    const Eigen::Vector3d d = p - centre_;
-    return compression_ + (d.z() - plane_.dot(Eigen::Vector3d(1.0, d.x(), d.y()))) * along_normal_;
-  }
-  // Over the mean under the disc.
-  double pressure(const Eigen::Vector3d& p) const { return std::max(0.0, depth(p)) / mean_; }
-
- private:
-  Eigen::Vector3d centre_, plane_;
-  double compression_, along_normal_, mean_ = 1.0;
-};
-
 // The vertices on which the footprint may be centred.
 struct Centres {
+  PressedFeet feet;
   std::vector<double> clearance;  // to the border of the centres, < 0 beyond it [m]
   std::vector<char> allowed;
   std::vector<double>

@@ -19,7 +19,7 @@ struct Segment {
 
 // The segments of all lines, and one more for each line's last point.
 std::vector<Segment> segments_of(const SurfaceGrid& g, const PlaneLines& lines,
-                                 const Footprint& foot) {
+                                 const PressedFeet& feet) {
   std::vector<Segment> segments;
   for (const auto& line : lines)
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -29,8 +29,8 @@ std::vector<Segment> segments_of(const SurfaceGrid& g, const PlaneLines& lines,
       s.way = d.norm();
       if (!(s.way > 0.0)) continue;
       const Eigen::Vector3d u = d / s.way;
-      const PressedFoot pressed(g, a + 0.5 * d, foot);
-      const double radius = foot.radius;
+      const PressedFoot pressed = feet.at(g, 0.5 * (line[i] + line[i + 1]));
+      const double radius = feet.foot().radius;
       around(g, a + 0.5 * d, radius + 0.5 * s.way, [&](std::size_t v) {
         const Eigen::Vector3d q = g.point(v) - a;
         const double middle = q.dot(u), half2 = radius * radius - q.squaredNorm() + middle * middle;
@@ -55,9 +55,9 @@ std::vector<double> dose_of(const SurfaceGrid& g, const std::vector<Segment>& se
 
 }  // namespace
 
-std::vector<double> dose_of(const SurfaceGrid& g, const PlaneLines& lines, const Footprint& foot,
+std::vector<double> dose_of(const SurfaceGrid& g, const PlaneLines& lines, const PressedFeet& feet,
                             const std::vector<std::vector<double>>& forces) {
-  const std::vector<Segment> segments = segments_of(g, lines, foot);
+  const std::vector<Segment> segments = segments_of(g, lines, feet);
   std::vector<double> force;
   for (const auto& line : forces) force.insert(force.end(), line.begin(), line.end());
   force.resize(segments.size(), 1.0);
@@ -65,9 +65,9 @@ std::vector<double> dose_of(const SurfaceGrid& g, const PlaneLines& lines, const
 }
 
 std::vector<std::vector<double>> even_forces(const SurfaceGrid& g, const PlaneLines& lines,
-                                             const Footprint& foot, const std::vector<char>& places,
-                                             double most) {
-  const std::vector<Segment> segments = segments_of(g, lines, foot);
+                                             const PressedFeet& feet,
+                                             const std::vector<char>& places, double most) {
+  const std::vector<Segment> segments = segments_of(g, lines, feet);
   std::vector<double> force(segments.size(), 1.0);
   double mean = 0.0, area = 0.0;
   for (int round = 0; round < kRounds; ++round) {

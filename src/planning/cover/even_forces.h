@@ -20,12 +20,13 @@ namespace impedraw {
 using PlaneLines = std::vector<std::vector<Eigen::Vector2d>>;
 
 // Dose over force, of each vertex [m]; `forces` as in even_forces(), empty: 1.
-std::vector<double> dose_of(const SurfaceGrid& grid, const PlaneLines& lines, const Footprint& foot,
+std::vector<double> dose_of(const SurfaceGrid& grid, const PlaneLines& lines,
+                            const PressedFeet& feet,
                             const std::vector<std::vector<double>>& forces = {});
 
 // Over the force asked for, of each point of the lines. `places`: whose dose is to be even.
 std::vector<std::vector<double>> even_forces(const SurfaceGrid& grid, const PlaneLines& lines,
-                                             const Footprint& foot, const std::vector<char>& places,
-                                             double most);
+                                             const PressedFeet& feet,
+                                             const std::vector<char>& places, double most);
 
 }  // namespace impedraw

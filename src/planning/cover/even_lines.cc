@@ -58,40 +58,42 @@ Vector2d gradient(const SurfaceGrid& g, const std::vector<double>& field, const 
 
 // ∫ e p dA under a footprint on p, whose rim is as wide as the grid's step.
 double under(const SurfaceGrid& g, const std::vector<double>& e_area, const Vector2d& p,
-             const Footprint& foot) {
+             const PressedFeet& feet) {
   const Vector3d centre = g.lifted(p);
-  const PressedFoot pressed(g, centre, foot);
+  const PressedFoot pressed = feet.at(g, p);
+  const double radius = feet.foot().radius;
   double sum = 0.0;
-  around(g, centre, foot.radius + 0.5 * g.step, [&](std::size_t v) {
+  around(g, centre, radius + 0.5 * g.step, [&](std::size_t v) {
     if (e_area[v] == 0.0) return;
     const Vector3d q = g.point(v);
-    const double inside = (foot.radius - (q - centre).norm()) / g.step + 0.5;
+    const double inside = (radius - (q - centre).norm()) / g.step + 0.5;
     sum += std::min(inside, 1.0) * e_area[v] * pressed.pressure(q);
   });
   return sum;
 }
 
 // Its gradient along the surface, in the plane.
-Vector2d pull(const SurfaceGrid& g, const Unevenness& u, const Vector2d& p, const Footprint& foot) {
+Vector2d pull(const SurfaceGrid& g, const Unevenness& u, const Vector2d& p,
+              const PressedFeet& feet) {
   const Vector2d slope = gradient(g, g.z, p);
   const Vector3d a = Vector3d(1.0, 0.0, slope.x()).normalized(),
                  b = Vector3d(-slope.x(), -slope.y(), 1.0).normalized().cross(a);
   Vector2d sum = Vector2d::Zero();
   for (const Vector3d& t : {a, b}) {
     const Vector2d by = g.step * t.head<2>();
-    sum += (under(g, u.e_area, p + by, foot) - under(g, u.e_area, p - by, foot)) / (2.0 * g.step) *
+    sum += (under(g, u.e_area, p + by, feet) - under(g, u.e_area, p - by, feet)) / (2.0 * g.step) *
            t.head<2>();
   }
   return sum;
 }
 
 // The motion of each knot, per way at it, uphill on E.
-Line uphill(const SurfaceGrid& g, const Unevenness& u, const Line& line, const Footprint& foot) {
+Line uphill(const SurfaceGrid& g, const Unevenness& u, const Line& line, const PressedFeet& feet) {
   const std::size_t n = line.size();
   const bool closed = is_closed(line);
   Line way(n, Vector2d::Zero());
   std::vector<double> m(n), along(n, 1e-4);
-  for (std::size_t i = 0; i < n; ++i) m[i] = under(g, u.e_area, line[i], foot);
+  for (std::size_t i = 0; i < n; ++i) m[i] = under(g, u.e_area, line[i], feet);
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const double length = (g.lifted(line[i + 1]) - g.lifted(line[i])).norm();
     along[i] += 0.5 * length, along[i + 1] += 0.5 * length;
@@ -102,7 +104,7 @@ Line uphill(const SurfaceGrid& g, const Unevenness& u, const Line& line, const F
     way.front() = way.back() = way.front() + way.back();
     along.front() = along.back() = along.front() + along.back();
   }
-  for (std::size_t i = 0; i < n; ++i) way[i] = way[i] / along[i] + pull(g, u, line[i], foot);
+  for (std::size_t i = 0; i < n; ++i) way[i] = way[i] / along[i] + pull(g, u, line[i], feet);
   for (int k = 0; k < kSmoothings; ++k) {
     Line next = way;
     for (std::size_t i = 1; i + 1 < n; ++i)
@@ -131,13 +133,13 @@ struct Knot {
 };
 
 std::vector<std::vector<Knot>> knots_of(const SurfaceGrid& g, const std::vector<double>& area,
-                                        const PlaneLines& lines, const Footprint& foot) {
+                                        const PlaneLines& lines, const PressedFeet& feet) {
   std::vector<std::vector<Knot>> all;
   for (const Line& line : lines) {
     std::vector<Knot>& knots = all.emplace_back(line.size(), Knot{0.0, 0.0, 0.0});
     for (std::size_t i = 1; i < line.size(); ++i) {
       const double way = (g.lifted(line[i]) - g.lifted(line[i - 1])).norm();
-      knots[i] = {knots[i - 1].at + way, way, under(g, area, line[i], foot)};
+      knots[i] = {knots[i - 1].at + way, way, under(g, area, line[i], feet)};
     }
   }
   return all;
@@ -151,8 +153,8 @@ struct Part {
 // The part whose repetition promises the most: a pass at knot i adds w p / d̄ to e, and on average
 // its own chord over a disc besides.
 Part best_part(const SurfaceGrid& g, const Unevenness& u, const PlaneLines& lines,
-               const std::vector<std::vector<Knot>>& knots, const Footprint& foot) {
-  const double chord = 16.0 / (3.0 * std::numbers::pi) * foot.radius;
+               const std::vector<std::vector<Knot>>& knots, const PressedFeet& feet) {
+  const double chord = 16.0 / (3.0 * std::numbers::pi) * feet.foot().radius;
   Part best;
   for (std::size_t l = 0; l < lines.size(); ++l) {
     const Line& line = lines[l];
@@ -160,12 +162,12 @@ Part best_part(const SurfaceGrid& g, const Unevenness& u, const PlaneLines& line
     std::vector<double> gain(line.size());
     for (std::size_t i = 1; i < line.size(); ++i)
       gain[i] = -on[i].way / u.mean *
-                (2.0 * under(g, u.e_area, line[i], foot) + chord / u.mean * on[i].own);
+                (2.0 * under(g, u.e_area, line[i], feet) + chord / u.mean * on[i].own);
     for (std::size_t from = 0; from < line.size(); ++from) {
       double sum = 0.0;
       for (std::size_t to = from + 1;
-           to < line.size() && on[to].at - on[from].at < kLongestPart * foot.radius; ++to)
-        if ((sum += gain[to]) > best.gain && on[to].at - on[from].at > foot.radius)
+           to < line.size() && on[to].at - on[from].at < kLongestPart * feet.foot().radius; ++to)
+        if ((sum += gain[to]) > best.gain && on[to].at - on[from].at > feet.foot().radius)
           best = {l, from, to, sum};
     }
   }
@@ -174,20 +176,20 @@ Part best_part(const SurfaceGrid& g, const Unevenness& u, const PlaneLines& line
 
 }  // namespace
 
-PlaneLines repeats(const SurfaceGrid& g, const Footprint& foot, const std::vector<char>& places,
+PlaneLines repeats(const SurfaceGrid& g, const PressedFeet& feet, const std::vector<char>& places,
                    const PlaneLines& lines) {
   const std::vector<double> area = areas_of(g, places);
-  const std::vector<std::vector<Knot>> knots = knots_of(g, area, lines, foot);
-  std::vector<double> dose = dose_of(g, lines, foot);
+  const std::vector<std::vector<Knot>> knots = knots_of(g, area, lines, feet);
+  std::vector<double> dose = dose_of(g, lines, feet);
   Unevenness u = unevenness(g, area, dose);
   PlaneLines added;
   while (u.mean > 0.0) {
-    const Part part = best_part(g, u, lines, knots, foot);
+    const Part part = best_part(g, u, lines, knots, feet);
     if (!(part.gain > 0.0)) break;
     const auto first = lines[part.line].begin();
     Line piece(first + static_cast<std::ptrdiff_t>(part.from),
                first + static_cast<std::ptrdiff_t>(part.to) + 1);
-    const std::vector<double> more = dose_of(g, {piece}, foot);
+    const std::vector<double> more = dose_of(g, {piece}, feet);
     for (std::size_t v = 0; v < g.size(); ++v) dose[v] += more[v];
     Unevenness after = unevenness(g, area, dose);
     if (!(u.rms * u.rms - after.rms * after.rms > kWorth)) break;
@@ -197,17 +199,18 @@ PlaneLines repeats(const SurfaceGrid& g, const Footprint& foot, const std::vecto
   return added;
 }
 
-double even_lines(const SurfaceGrid& g, const std::vector<double>& clearance, const Footprint& foot,
-                  const std::vector<char>& places, std::size_t fixed, PlaneLines* lines) {
+double even_lines(const SurfaceGrid& g, const Centres& centres, const std::vector<char>& places,
+                  std::size_t fixed, PlaneLines* lines) {
+  const PressedFeet& feet = centres.feet;
   const std::vector<double> area = areas_of(g, places);
-  Unevenness u = unevenness(g, area, dose_of(g, *lines, foot));
+  Unevenness u = unevenness(g, area, dose_of(g, *lines, feet));
   double most = kFirst;
   PlaneLines before;
   for (int round = 0; round < kRounds && most > kLeast; ++round) {
     PlaneLines ways(lines->size());
     double squares = 0.0, knots = 0.0;
     for (std::size_t l = fixed; l < lines->size(); ++l) {
-      ways[l] = uphill(g, u, (*lines)[l], foot);
+      ways[l] = uphill(g, u, (*lines)[l], feet);
       for (std::size_t i = 0; i < ways[l].size(); ++i) {
         if (!before.empty()) ways[l][i] += kMomentum * before[l][i];
         squares += ways[l][i].squaredNorm(), knots += 1.0;
@@ -221,9 +224,9 @@ double even_lines(const SurfaceGrid& g, const std::vector<double>& clearance, co
         Vector2d& way = ways[l][i];
         way *= longest / std::max(longest, way.norm());
         const Vector2d& p = (*lines)[l][i];
-        moved[l][i] = onto_centres(g, clearance, p - most / longest * way, p);
+        moved[l][i] = onto_centres(g, centres.clearance, p - most / longest * way, p);
       }
-    Unevenness after = unevenness(g, area, dose_of(g, moved, foot));
+    Unevenness after = unevenness(g, area, dose_of(g, moved, feet));
     if (after.rms < u.rms) {
       u = std::move(after);
       *lines = std::move(moved);

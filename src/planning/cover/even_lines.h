@@ -12,15 +12,14 @@
 
 namespace impedraw {
 
-// `clearance`: of the centres (cover_lines.h). The first `fixed` lines stay where they are.
+// Of the centres, their clearance and feet are read. The first `fixed` lines stay where they are.
 // Returns the coefficient of variation that is left, √(E / area).
-double even_lines(const SurfaceGrid& grid, const std::vector<double>& clearance,
-                  const Footprint& foot, const std::vector<char>& places, std::size_t fixed,
-                  PlaneLines* lines);
+double even_lines(const SurfaceGrid& grid, const Centres& centres, const std::vector<char>& places,
+                  std::size_t fixed, PlaneLines* lines);
 
 // Parts of the lines that are to be drawn once more, where a stroke's own dose makes it more even:
 // beside what was cut, and in areas that are narrower than two lines.
-PlaneLines repeats(const SurfaceGrid& grid, const Footprint& foot, const std::vector<char>& places,
-                   const PlaneLines& lines);
+PlaneLines repeats(const SurfaceGrid& grid, const PressedFeet& feet,
+                   const std::vector<char>& places, const PlaneLines& lines);
 
 }  // namespace impedraw

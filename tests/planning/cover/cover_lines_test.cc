@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -156,6 +157,22 @@ TEST(PressedFoot, PressesMostInTheMiddleOfADome) {
         << d;
 }
 
+// Between the vertices feet agree with those that are fitted there.
+TEST(PressedFoot, IsBilinearBetweenVertices) {
+  const SurfaceGrid g = grid_of(dome());
+  const Footprint foot{0.015, 3.5e-3, 0.01};
+  const PressedFeet feet(g, foot);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-0.05, 0.05), off(-0.01, 0.01);
+  for (int k = 0; k < 200; ++k) {
+    const Eigen::Vector2d p(place(random), place(random));
+    const PressedFoot fitted(g, g.lifted(p), foot), sampled = feet.at(g, p);
+    const Eigen::Vector3d q = g.lifted(p + Eigen::Vector2d(off(random), off(random)));
+    EXPECT_NEAR(sampled.depth(q), fitted.depth(q), 2e-5) << p.transpose();
+    EXPECT_NEAR(sampled.pressure(q), fitted.pressure(q), 0.01) << p.transpose();
+  }
+}
+
 // What evening leaves of a line has a bend at each of its points, where the path would slow down.
 TEST(CoverLines, LetThePathKeepItsSpeed) {
   const SurfaceHeight height = dome();
@@ -165,8 +182,8 @@ TEST(CoverLines, LetThePathKeepItsSpeed) {
   const Centres c = footprint_centres(g, w);
   CoverLines lines = cover_lines(g, c, w);
   const double radius = w.footprint.radius;
-  even_lines(g, c.clearance, w.footprint, inside_by(g, swept(g, lines.passes, radius), radius),
-             lines.edges, &lines.passes);
+  even_lines(g, c, inside_by(g, swept(g, lines.passes, radius), radius), lines.edges,
+             &lines.passes);
   const auto mean_speed = [&](bool round) {
     PathSettings settings;
     settings.draw_speed = 0.1;

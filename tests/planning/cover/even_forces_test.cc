@@ -25,6 +25,15 @@ SurfaceGrid plane() {
       {Eigen::Vector2d::Constant(-0.09), Eigen::Vector2d::Constant(0.09)}, 1.5e-3, 70.0);
 }
 
+PressedFeet feet(const SurfaceGrid& g) { return PressedFeet(g, kFoot); }
+
+Centres anywhere(const SurfaceGrid& g) {
+  Centres centres;
+  centres.feet = feet(g);
+  centres.clearance.assign(g.size(), 1.0);
+  return centres;
+}
+
 double cv(const SurfaceGrid& g, const std::vector<double>& dose, const std::vector<char>& places) {
   double n = 0.0, sum = 0.0, sum2 = 0.0;
   for (std::size_t v = 0; v < g.size(); ++v)
@@ -43,7 +52,7 @@ PlaneLines rows(double spacing) {
 
 TEST(DoseOf, IsTheChordOfTheDisc) {
   const SurfaceGrid g = plane();
-  const std::vector<double> dose = dose_of(g, {rows(1.0)[0]}, kFoot);
+  const std::vector<double> dose = dose_of(g, {rows(1.0)[0]}, feet(g));
   for (std::size_t v = 0; v < g.size(); ++v) {
     const Eigen::Vector2d p = g.plane(v);
     const double off = std::abs(p.y() + 0.06);
@@ -58,8 +67,8 @@ TEST(DoseOf, IsEvenInTheMiddleOfRowsAtTheZeroOfABesselFunction) {
   std::vector<char> middle(g.size());
   for (std::size_t v = 0; v < g.size(); ++v)
     middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kPad;
-  EXPECT_LT(cv(g, dose_of(g, rows(kPad / 1.62), kFoot), middle), 0.04);
-  EXPECT_GT(cv(g, dose_of(g, rows(kPad / 0.8), kFoot), middle), 0.1);
+  EXPECT_LT(cv(g, dose_of(g, rows(kPad / 1.62), feet(g)), middle), 0.04);
+  EXPECT_GT(cv(g, dose_of(g, rows(kPad / 0.8), feet(g)), middle), 0.1);
 }
 
 TEST(EvenForces, MakeTheDoseMoreEvenWithinTheirLimits) {
@@ -70,9 +79,9 @@ TEST(EvenForces, MakeTheDoseMoreEvenWithinTheirLimits) {
   const Centres centres = footprint_centres(g, wish);
   const CoverLines lines = cover_lines(g, centres, wish);
   const std::vector<char> places = inside_by(g, swept(g, lines.passes, kPad - 5e-4), kPad);
-  const auto forces = even_forces(g, lines.passes, kFoot, places, 0.1);
-  const double even = cv(g, dose_of(g, lines.passes, kFoot), places);
-  EXPECT_LT(cv(g, dose_of(g, lines.passes, kFoot, forces), places), 0.95 * even);
+  const auto forces = even_forces(g, lines.passes, feet(g), places, 0.1);
+  const double even = cv(g, dose_of(g, lines.passes, feet(g)), places);
+  EXPECT_LT(cv(g, dose_of(g, lines.passes, feet(g), forces), places), 0.95 * even);
   double n = 0.0, sum = 0.0;
   ASSERT_EQ(forces.size(), lines.passes.size());
   for (std::size_t l = 0; l < forces.size(); ++l) {
@@ -110,10 +119,10 @@ TEST(EvenLines, MakeTheDoseEvenToTheBorder) {
   for (const auto& [spacing, limit] : {std::pair{0.0057, 0.058}, {0.0093, 0.069}}) {
     Covered c(spacing);
     const PlaneLines before = c.lines.passes;
-    even_lines(c.g, c.centres.clearance, kFoot, c.inner, c.lines.edges, &c.lines.passes);
-    const double even = cv(c.g, dose_of(c.g, c.lines.passes, kFoot), c.inner);
+    even_lines(c.g, c.centres, c.inner, c.lines.edges, &c.lines.passes);
+    const double even = cv(c.g, dose_of(c.g, c.lines.passes, feet(c.g)), c.inner);
     EXPECT_LT(even, limit) << spacing;
-    EXPECT_LT(even, 0.9 * cv(c.g, dose_of(c.g, before, kFoot), c.inner)) << spacing;
+    EXPECT_LT(even, 0.9 * cv(c.g, dose_of(c.g, before, feet(c.g)), c.inner)) << spacing;
     ASSERT_GE(c.lines.edges, 1U);
     for (std::size_t l = 0; l < c.lines.edges; ++l) EXPECT_EQ(c.lines.passes[l], before[l]);
     for (const auto& pass : c.lines.passes)
@@ -128,9 +137,8 @@ TEST(EvenLines, MakeTheDoseEvenToTheBorder) {
 TEST(EvenLines, RingsBesideTheBorderLeaveLessUneven) {
   Covered rows(0.0054), rings(0.0054, Layout::rings);
   const auto evened = [](Covered* c) {
-    const double left =
-        even_lines(c->g, c->centres.clearance, kFoot, c->inner, c->lines.edges, &c->lines.passes);
-    EXPECT_NEAR(left, cv(c->g, dose_of(c->g, c->lines.passes, kFoot), c->inner), 1e-3);
+    const double left = even_lines(c->g, c->centres, c->inner, c->lines.edges, &c->lines.passes);
+    EXPECT_NEAR(left, cv(c->g, dose_of(c->g, c->lines.passes, feet(c->g)), c->inner), 1e-3);
     return left;
   };
   EXPECT_GT(rings.lines.passes.size(), rows.lines.passes.size());
@@ -148,7 +156,7 @@ TEST(EvenLines, MoveRowsToTheirPlaces) {
   const std::size_t k = lines.size() / 2;
   const double own = lines[k].front().y();
   for (Eigen::Vector2d& p : lines[k]) p.y() += 0.25 * spacing;
-  even_lines(g, std::vector<double>(g.size(), 1.0), kFoot, middle, 0, &lines);
+  even_lines(g, anywhere(g), middle, 0, &lines);
   EXPECT_NEAR(lines[k][lines[k].size() / 2].y(), own, 0.12 * spacing);
 }
 
@@ -163,32 +171,32 @@ TEST(Repeats, MakeUpForALineThatIsCut) {
     lines[0].emplace_back(x, 0.0);
     if (x < 0.0) lines[1].emplace_back(x, 0.0);
   }
-  const PlaneLines added = repeats(g, kFoot, strip, lines);
-  const double before = cv(g, dose_of(g, lines, kFoot), strip);
+  const PlaneLines added = repeats(g, feet(g), strip, lines);
+  const double before = cv(g, dose_of(g, lines, feet(g)), strip);
   ASSERT_FALSE(added.empty());
   for (const auto& part : added) {
     for (const Eigen::Vector2d& p : part) EXPECT_GT(p.x(), -kPad);
     lines.push_back(part);
   }
   EXPECT_GT(before, 0.25);
-  EXPECT_LT(cv(g, dose_of(g, lines, kFoot), strip), 0.5 * before);
-  EXPECT_TRUE(repeats(g, kFoot, strip, lines).empty());
+  EXPECT_LT(cv(g, dose_of(g, lines, feet(g)), strip), 0.5 * before);
+  EXPECT_TRUE(repeats(g, feet(g), strip, lines).empty());
 
   std::vector<char> middle(g.size());
   for (std::size_t v = 0; v < g.size(); ++v)
     middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kPad;
-  EXPECT_TRUE(repeats(g, kFoot, middle, rows(kPad / 1.62)).empty());
-  EXPECT_TRUE(repeats(g, kFoot, std::vector<char>(g.size()), lines).empty());
+  EXPECT_TRUE(repeats(g, feet(g), middle, rows(kPad / 1.62)).empty());
+  EXPECT_TRUE(repeats(g, feet(g), std::vector<char>(g.size()), lines).empty());
 }
 
 TEST(EvenLines, AreLeftWhereNothingIsToBeEven) {
   const SurfaceGrid g = plane();
   PlaneLines lines = rows(kPad);
   const PlaneLines before = lines;
-  even_lines(g, std::vector<double>(g.size(), 1.0), kFoot, std::vector<char>(g.size()), 0, &lines);
+  even_lines(g, anywhere(g), std::vector<char>(g.size()), 0, &lines);
   EXPECT_EQ(lines, before);
   PlaneLines none;
-  even_lines(g, std::vector<double>(g.size(), 1.0), kFoot, std::vector<char>(g.size()), 0, &none);
+  even_lines(g, anywhere(g), std::vector<char>(g.size()), 0, &none);
   EXPECT_TRUE(none.empty());
 }
 
