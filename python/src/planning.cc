@@ -86,6 +86,7 @@ void bind_planning(nb::module_& m) {
       .field("normal_smoothing", &S::normal_smoothing, "length over which normals are averaged [m]")
       .field("tilt_allowance_deg", &S::tilt_allowance_deg,
              "by which n may leave the normal to turn slower [deg]")
+      .field("lean_deg", &S::lean_deg, "of n towards the drawing's axis, at most [deg]")
       .field("tilt_speed", &S::tilt_speed, "of n along a stroke [rad/s]")
       .field("tilt_acceleration", &S::tilt_acceleration, "[rad/s²]")
       .field("normal_acceleration", &S::normal_acceleration, "across the surface [m/s²]")

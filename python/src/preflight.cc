@@ -87,6 +87,7 @@ void bind_preflight(nb::module_& m) {
       .field("max_slope_deg", &S::max_slope_deg, "of the surface against z_P [deg]")
       .field("fold_height", &S::fold_height, "the tip rides over lower steps [m]")
       .field("normal_smoothing", &S::normal_smoothing, "as in PathSettings [m]")
+      .field("lean_deg", &S::lean_deg, "as in PathSettings")
       .field("joint_margin", &S::joint_margin, "inside each joint's range [rad]")
       .field("max_joint_step", &S::max_joint_step, "of any joint per step [rad]")
       .field("space", &S::space, "the controller's")

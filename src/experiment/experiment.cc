@@ -9,7 +9,8 @@ namespace impedraw {
 ControlSetup control_for(PlannedDrawing* drawing, const Places& places) {
   const bool rough = drawing->plan.rough;
   ControlSettings& s = drawing->scenario.control;
-  if (!s.pen_axis) s.pen_axis = rough ? PenAxis::plan : PenAxis::surface;
+  const bool leans = drawing->scenario.path.lean_deg > 0.0;
+  if (!s.pen_axis) s.pen_axis = rough || leans ? PenAxis::plan : PenAxis::surface;
   if (!s.normal_error_deg) s.normal_error_deg = rough ? kRoughNormalError : 0.0;
   if (!s.felt_normal.share) s.felt_normal.share = rough ? kRoughFeltShare : 0.0;
   const SettingErrors setting_errors(places);

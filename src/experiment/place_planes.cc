@@ -1,7 +1,9 @@
 // The search for a place over drawing planes: the level one and the best that lean to a side, and
-// more where none has a place for the whole. Then the best places are moved, turned and leant.
+// more where none has a place for the whole; in the best ones, with a pen that leans, too. Then the
+// best places are moved, turned and leant.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -14,6 +16,8 @@ using Eigen::Vector3d;
 
 constexpr double kTilted = 0.01;                      // what another plane must be better by
 constexpr std::size_t kRefined = 5;                   // places
+constexpr std::size_t kLeant = 4;                     // planes in which it leans
+constexpr double kWorthwhile = 0.3;                   // share of the best place in such a plane
 constexpr double kRadian = std::numbers::pi / 180.0;  // of a degree
 
 using BenchOf = std::function<std::shared_ptr<PlaceBench>(const Scenario&)>;
@@ -56,6 +60,27 @@ void refine(SurfacePlace* best, const BenchOf& bench_of) {
   }
 }
 
+void sort_by_share(std::vector<SurfacePlace>* places) {
+  std::ranges::stable_sort(*places, std::ranges::greater(), &SurfacePlace::share);
+}
+
+// The planes of the best places, with a pen that leans so.
+std::vector<Scenario> with_leaning_pen(double lean_deg, std::vector<SurfacePlace>* found) {
+  sort_by_share(found);
+  const auto same = [](const Scenario& a, const Scenario& b) {
+    return a.drawing.tilt_deg == b.drawing.tilt_deg && a.arm.start_p_WE == b.arm.start_p_WE;
+  };
+  std::vector<Scenario> planes;
+  for (const SurfacePlace& place : *found) {
+    if (planes.size() == kLeant || !(place.share > kWorthwhile)) break;
+    Scenario in = place.bench->scenario();
+    if (std::ranges::any_of(planes, [&](const Scenario& s) { return same(s, in); })) continue;
+    in.path.lean_deg = lean_deg;
+    planes.push_back(std::move(in));
+  }
+  return planes;
+}
+
 }  // namespace
 
 SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
@@ -83,20 +108,23 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
     return best.share < kNearlyAll && scenario.drawing.tilt_deg.isZero();
   };
   double from = 0.3;
-  for (const auto& leans : {std::vector{35.0, 65.0}, std::vector{0.0, 20.0, 50.0, 90.0}}) {
-    if (!goes_on()) break;
-    for (const Scenario& other : level->others(wish, leans)) {
-      if (!goes_on()) break;
+  const auto try_each = [&](const std::vector<Scenario>& planes) {
+    for (const Scenario& other : planes) {
+      if (!goes_on()) return;
       try {
-        const SurfacePlace there = look(bench_of(other), from, from + 0.05);
+        const SurfacePlace there = look(bench_of(other), from, from + 0.03);
         if (there.share > best.share + kTilted) best = there;
       } catch (const InputError&) {  // no posture to start from, for example
       }
-      from += 0.05;
+      from += 0.03;
     }
+  };
+  for (const auto& [leans, of_pen] :
+       {std::pair{std::vector{35.0, 65.0}, 20.0}, {std::vector{0.0, 20.0, 50.0, 90.0}, 30.0}}) {
+    if (goes_on()) try_each(level->others(wish, leans));
+    if (goes_on() && scenario.path.lean_deg == 0.0) try_each(with_leaning_pen(of_pen, &found));
   }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.share > b.share; });
+  sort_by_share(&found);
   for (std::size_t i = 0; i < std::min(found.size(), kRefined) && goes_on(); ++i) {
     if (found[i].share < kRefinable) break;
     between(0.8, 1.0)(static_cast<double>(i) / kRefined);

@@ -72,6 +72,8 @@ std::vector<std::string> assignments_of(const PlacementSettings& s, const Placem
     sets.push_back(fmt::format("drawing.tilt=[{}, {}, {}]", tilt.x(), tilt.y(), tilt.z()));
   if (started)
     sets.push_back(fmt::format("arm.start=[{}, {}, {}]", start.x(), start.y(), start.z()));
+  if (scenario.path.lean_deg > 0.0)
+    sets.push_back(fmt::format("path.lean={}", scenario.path.lean_deg));
   if (moved) sets.push_back(fmt::format("canvas.move=[{}, {}, {}]", move.x(), move.y(), move.z()));
   return sets;
 }

@@ -5,9 +5,10 @@
 // pass the whole pre-flight; where it fails, further candidates keep off. The best one is moved a
 // little where that lets more be drawn. Where the level drawing plane has no place for the whole,
 // planes that lean by 35° or 65° to one of eight sides are tried: an object's sides are drawn on,
-// too; then the level one again with the start above the place, and leans of 20°, 50° and 90°. The
-// best places of all are moved, turned and leant as long as more can be drawn. A plane that the
-// scenario tilts stays.
+// too; then the level one again with the start above the place, and leans of 20°, 50° and 90°. In
+// the best of them the pen leans off the surface's normal by up to 20°, then 30° (path.lean), where
+// that of the scenario does not: joints meet their ends later. The best places of all are moved,
+// turned and leant as long as more can be drawn. A plane that the scenario tilts stays.
 #pragma once
 
 #include <functional>
@@ -35,7 +36,8 @@ inline constexpr double kNearlyAll = 0.98;
 inline constexpr double kRefinable = 0.7;  // from here on the drawing plane is leant further
 
 struct SurfacePlace {
-  Scenario scenario;  // as given but for drawing.placement and, where it was level, drawing.tilt
+  // as given but for drawing.placement and, where it was level, drawing.tilt and path.lean
+  Scenario scenario;
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();      // surface at the drawing's middle [m]
   double turn_deg = 0.0;                              // from the given one
   Eigen::Vector2d size_mm = Eigen::Vector2d::Zero();  // across and down the page, on the canvas

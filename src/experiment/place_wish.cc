@@ -11,6 +11,7 @@
 
 #include "impedraw/common/text_fields.h"
 #include "impedraw/experiment/plan.h"
+#include "impedraw/planning/leant.h"
 #include "impedraw/planning/preflight/posture_check.h"
 
 namespace impedraw {
@@ -61,10 +62,10 @@ std::function<double(const SurfaceSample&)> unreachable(const Belief& belief, co
                                                         const Vector3d& up) {
   const auto check =
       std::make_shared<PostureCheck>(belief.arm, belief.obstacle.get(), belief.start_q, settings);
-  return [check, X_WP, up, start_q = belief.start_q,
-          upright = settings.vertical_pen](const SurfaceSample& at) {
+  return [check, X_WP, up, start_q = belief.start_q, upright = settings.vertical_pen,
+          lean = settings.lean_deg](const SurfaceSample& at) {
     constexpr double kEasy = 0.4, kStrained = 0.05;  // joint margin [rad]; cost of none
-    const Vector3d n = upright ? Vector3d(Vector3d::UnitZ()) : at.n_P;
+    const Vector3d n = upright ? Vector3d(Vector3d::UnitZ()) : leant(at.n_P, lean);
     const Posture posture = check->enter({X_WP * at.p_P, -(X_WP.R * n)}, start_q);
     if (!posture.reached || posture.problem) return 1.0;
     if (!up.isZero()) {

@@ -466,7 +466,7 @@ PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP,
   s.normal_force = scenario.control.normal_force;
   s.torque_share = scenario.control.torque_share;
   s.friction = scenario.control.friction.coefficient;
-  s.normal_smoothing = scenario.path.normal_smoothing;
+  s.normal_smoothing = scenario.path.normal_smoothing, s.lean_deg = scenario.path.lean_deg;
   s.space = scenario.control.operational_space;
   s.rest_q = rest_q;
   s.speed = scenario.path.draw_speed;

@@ -50,6 +50,10 @@ void describe(F& f, PathSettings& s) {
   f.field("tilt_allowance", s.tilt_allowance_deg, {0.0, 45.0}, "deg",
           "Largest angle by which the pen's axis may leave the surface normal where it would "
           "otherwise turn faster than 1.5 rad/s, or with more than 20 rad/s².");
+  f.field("lean", s.lean_deg, {0.0, 30.0}, "deg",
+          "The pen leans off the surface normal towards the drawing plane's axis: by half of the "
+          "angle between them, but at most by this. A wrist then need not turn as far round an "
+          "object, nor go as low beside it. --place surface tries 20 and 30.");
   f.constant("tilt_speed", s.tilt_speed, kTiltSpeedRange, "rad/s");
   f.constant("tilt_acceleration", s.tilt_acceleration, kTiltAccelerationRange, "rad/s²");
   f.constant("tolerance", s.tolerance, {1e-7, 1e-2}, "m");

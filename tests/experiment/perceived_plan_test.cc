@@ -360,6 +360,7 @@ TEST_F(PerceivedPlan, ThePensAxisIsTheUsersOrTheSurfaces) {
   };
   EXPECT_EQ(axis({}), PenAxis::surface);
   EXPECT_EQ(axis({"control.pen_axis=plan"}), PenAxis::plan);
+  EXPECT_EQ(axis({"path.lean=10"}), PenAxis::plan);
   const std::vector<std::string> rough = {"canvas.kind=rough", "canvas.rough.slope=20",
                                           "canvas.rough.wavelength=0.008"};
   EXPECT_EQ(axis(rough), PenAxis::plan);

@@ -221,6 +221,35 @@ TEST_F(PlaceSurface, MovesALittleWhereWaysMeetALimit) {
   EXPECT_GT(place_on_surface(can, {}, {}).share, 0.99);
 }
 
+// Letters of 31 mm go far round a lying tube of 50 mm: across it the wrist does not turn as far.
+TEST_F(PlaceSurface, LeansThePenWhereJointsMeetTheirLimits) {
+  constexpr int kCorners = 48;
+  constexpr double kRadius = 0.025;
+  std::ofstream file(folder_ / "tube.obj");
+  for (const double y : {-0.07, 0.07})
+    for (int k = 0; k < kCorners; ++k) {
+      const double angle = 2.0 * std::numbers::pi * k / kCorners;
+      file << "v " << 0.6 + kRadius * std::cos(angle) << ' ' << y << ' '
+           << 0.045 + kRadius * std::sin(angle) << '\n';
+    }
+  for (int k = 0; k < kCorners; ++k) {
+    const int a = k + 1, b = (k + 1) % kCorners + 1, c = a + kCorners, d = b + kCorners;
+    file << "f " << a << ' ' << b << ' ' << d << "\nf " << a << ' ' << d << ' ' << c << '\n';
+  }
+  file.close();
+  const std::string tube = "canvas.mesh.file=" + (folder_ / "tube.obj").string();
+  const SurfacePlace found = place_on_surface(plate({tube}), {}, {});
+  EXPECT_GT(found.share, 0.99);
+  EXPECT_EQ(found.scenario.path.lean_deg, 20.0);
+  // The printed settings repeat it.
+  std::vector<std::string> again = {tube};
+  again.insert(again.end(), found.assignments.begin(), found.assignments.end());
+  EXPECT_EQ(plate(again).path.lean_deg, 20.0);
+  // A pen that the scenario has leant leans as it says.
+  const SurfacePlace given = place_on_surface(plate({tube, "path.lean=15"}), {}, {});
+  EXPECT_EQ(given.scenario.path.lean_deg, 15.0);
+}
+
 class PlaceOnBoard : public PlaceSurface {
  protected:
   const Vector3d z_ = Vector3d(-0.92, -0.3, -0.25).normalized();

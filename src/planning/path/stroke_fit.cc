@@ -9,6 +9,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/drawing/polyline.h"
+#include "impedraw/planning/leant.h"
 
 namespace impedraw {
 namespace {
@@ -213,7 +214,8 @@ std::pair<Vector3d, Vector3d> smooth_normals(const FitSettings& settings, std::v
     const std::size_t from = all.empty() ? 0 : 1;
     first.push_back(all.size() - from);
     for (std::size_t i = from; i < knots.size(); ++i)
-      all.push_back({start + knots[i].along, knots[i].sample.p_P, knots[i].sample.n_P, false});
+      all.push_back({start + knots[i].along, knots[i].sample.p_P,
+                     leant(knots[i].sample.n_P, settings.lean_deg), false});
     all.back().corner = true;
     start += knots.back().along;
   }
@@ -249,6 +251,8 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
   fitted.to = stroke.start;
   fitted.first = fitted.last =
       sample_or_throw(surface, whole.p_P.front(), whole.page.front(), number, last);
+  for (SurfaceSample* end : {&fitted.first, &fitted.last})
+    end->n_P = leant(end->n_P, settings.lean_deg);
   if (whole.p_P.size() == 1) return fitted;
 
   Line line;

@@ -24,6 +24,7 @@ struct FitSettings {
   double normal_smoothing = 5e-3;
   // Normals beyond these limits are smoothed further, up to the allowance.
   TiltLimits tilt;
+  double lean_deg = 0;  // of the pen (leant.h)
 };
 
 struct FittedStroke {

@@ -365,7 +365,8 @@ TipPath plan_tip_path(const std::vector<PlacedStroke>& strokes, const SurfaceHei
       settings.normal_smoothing,
       {settings.tilt_allowance_deg * kDegree, kMargin * settings.tilt_speed / settings.draw_speed,
        kCentripetalShare * settings.tilt_acceleration /
-           (settings.draw_speed * settings.draw_speed)}};
+           (settings.draw_speed * settings.draw_speed)},
+      settings.lean_deg};
   std::vector<FittedStroke> fitted(strokes.size());
   const bool pressed = std::ranges::any_of(
       strokes, [](const PlacedStroke& stroke) { return !stroke.force.empty(); });

@@ -53,6 +53,7 @@ struct PathSettings {
   // limits at draw_speed, it is smoothed until it keeps them or leaves the normal by the allowance;
   // what is still too fast is drawn slower.
   double tilt_allowance_deg = 10;
+  double lean_deg = 0;            // of that axis towards z_P, at most (leant.h)
   double tilt_speed = 1.5;        // [rad/s]
   double tilt_acceleration = 20;  // [rad/s²]
   // Across the surface, by its curvature: the tip's inertia then changes the contact force by less

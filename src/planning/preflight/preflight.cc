@@ -9,6 +9,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/in_parallel.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/planning/leant.h"
 #include "impedraw/planning/preflight/describe_preflight.h"
 #include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/preflight/surface_walk.h"
@@ -73,7 +74,8 @@ class ArmWalk {
   Node node(double along) const {
     const SurfaceSample at = profile_.at(along);
     const Pose& X_WP = settings_.X_WP;
-    const Vector3d n = X_WP.R * (settings_.vertical_pen ? Vector3d::UnitZ() : at.n_P);
+    const Vector3d n =
+        X_WP.R * (settings_.vertical_pen ? Vector3d::UnitZ() : leant(at.n_P, settings_.lean_deg));
     return {along, {X_WP * at.p_P, -n}, {}};
   }
 

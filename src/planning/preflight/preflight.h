@@ -87,6 +87,7 @@ struct PreflightSettings {
   double max_slope_deg = 75;       // between the surface's normal and z_P
   double fold_height = 0.5e-3;     // the pen's tip rides over lower steps [m]
   double normal_smoothing = 5e-3;  // as in PathSettings [m]
+  double lean_deg = 0;             // as in PathSettings
 
   double joint_margin = 0.05;      // the controller holds a posture to about 0.03 rad [rad]
   double max_joint_step = 0.35;    // of any joint per `step` [rad]

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <numbers>
 #include <random>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -220,6 +221,27 @@ TEST(TipPath, NoiseOfTheNormalsIsNotFedForward) {
   const double raw = most_alpha(0.0, &raw_error), smoothed = most_alpha(5e-3, &error);
   EXPECT_LT(smoothed, 0.1 * raw);
   EXPECT_LT(error, 0.7 * raw_error) << "in the mean";
+}
+
+// Towards z, by half of the slope, but at most by what is asked for.
+TEST(TipPath, ThePenLeansTowardsTheDrawingsAxis) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  for (const auto& [slope, lean, axis] :
+       {std::tuple(50.0, 20.0, 30.0), {30.0, 20.0, 15.0}, {60.0, 0.0, 60.0}, {0.0, 20.0, 0.0}}) {
+    const double rise = std::tan(slope * kDegree);
+    const auto hill = [rise](double x, double) {
+      return SurfaceSample{{x, 0.0, 0.1 + rise * (x - 0.6)}, Vector3d(-rise, 0, 1).normalized()};
+    };
+    PathSettings settings;
+    settings.lean_deg = lean;
+    for (const auto& stroke : {line({{0.6, 0.0}, {0.62, 0.0}}), line({{0.6, 0.0}})}) {
+      const TipPath path = plan_tip_path({stroke}, hill, settings);
+      const StrokeTimes& s = path.strokes().at(0);
+      const Vector3d n = path.at((s.start + s.end) / 2).reference.n_WD;
+      const Vector3d expected(-std::sin(axis * kDegree), 0.0, std::cos(axis * kDegree));
+      EXPECT_LT((n - expected).norm(), 1e-6) << slope << "°, " << stroke.p_P.size() << " points";
+    }
+  }
 }
 
 TEST(TipPath, MStopsAtItsCorners) {
