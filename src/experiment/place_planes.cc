@@ -119,10 +119,12 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
       from += 0.03;
     }
   };
+  const bool may_lean = scenario.tool.kind == ToolKind::pen && scenario.path.lean_deg == 0.0 &&
+                        scenario.control.pen_axis.value_or(PenAxis::plan) == PenAxis::plan;
   for (const auto& [leans, of_pen] :
        {std::pair{std::vector{35.0, 65.0}, 20.0}, {std::vector{0.0, 20.0, 50.0, 90.0}, 30.0}}) {
     if (goes_on()) try_each(level->others(wish, leans));
-    if (goes_on() && scenario.path.lean_deg == 0.0) try_each(with_leaning_pen(of_pen, &found));
+    if (goes_on() && may_lean) try_each(with_leaning_pen(of_pen, &found));
   }
   sort_by_share(&found);
   for (std::size_t i = 0; i < std::min(found.size(), kRefined) && goes_on(); ++i) {

@@ -58,6 +58,10 @@ void require_rim(const Scenario& s, const Plan& plan, const SurfaceHeight& surfa
 
 void require_fit(const Scenario& s, const Plan& plan, const SurfaceHeight& surface,
                  const SettingErrors& errors) {
+  if (s.path.lean_deg > 0.0 && s.tool.kind != ToolKind::pen)
+    errors.raise({"path.lean", "tool.kind"},
+                 fmt::format("path.lean is {}°, but of tool.kind a pen alone leans; valid is 0",
+                             s.path.lean_deg));
   if (!is_led(s.tool)) return require_rim(s, plan, surface, errors);
   const PadSettings face = *face_of(s);
   const bool edge = face.face == PadFace::edge;

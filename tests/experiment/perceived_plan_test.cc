@@ -361,6 +361,7 @@ TEST_F(PerceivedPlan, ThePensAxisIsTheUsersOrTheSurfaces) {
   EXPECT_EQ(axis({}), PenAxis::surface);
   EXPECT_EQ(axis({"control.pen_axis=plan"}), PenAxis::plan);
   EXPECT_EQ(axis({"path.lean=10"}), PenAxis::plan);
+  EXPECT_THROW(axis({"path.lean=10", "tool.kind=engraver"}), InputError);
   const std::vector<std::string> rough = {"canvas.kind=rough", "canvas.rough.slope=20",
                                           "canvas.rough.wavelength=0.008"};
   EXPECT_EQ(axis(rough), PenAxis::plan);
