@@ -101,14 +101,17 @@ pub fn within<T: Send + 'static>(document: Vec<u8>, read: fn(&[u8]) -> Result<T,
         BOUND.set(None);
         let _ = sender.send(result);
     };
-    std::thread::Builder::new()
+    let thread = std::thread::Builder::new()
         .stack_size(STACK_BYTES)
         .spawn(work)
         .map_err(|error| format!("no thread to read it in: {error}"))?;
     let clock = clock_receiver.recv().ok().flatten();
     loop {
         match receiver.recv_timeout(Duration::from_millis(20)) {
-            Ok(result) => return result,
+            Ok(result) => {
+                let _ = thread.join(); // a process that forks now has no thread with a lock
+                return result;
+            }
             Err(mpsc::RecvTimeoutError::Disconnected) => return Err(gave_up()),
             Err(mpsc::RecvTimeoutError::Timeout) => {}
         }
