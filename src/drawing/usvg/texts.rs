@@ -18,19 +18,17 @@ pub fn fonts() -> fontdb::Database {
         let found = wanted.iter().find(|w| families.iter().any(|f| f == *w));
         found.map(|w| w.to_string()).or(families.first().cloned())
     };
-    if let Some(serif) = first_of(["Times New Roman", "Liberation Serif", "DejaVu Serif", "Noto Serif"]) {
-        fonts.set_serif_family(serif);
-    }
-    if let Some(sans) = first_of(["Arial", "Liberation Sans", "DejaVu Sans", "Noto Sans"]) {
-        fonts.set_sans_serif_family(sans);
-    }
-    if let Some(mono) = first_of(["Courier New", "Liberation Mono", "DejaVu Sans Mono", "Noto Sans Mono"]) {
-        fonts.set_monospace_family(mono);
-    }
-    // By the names of fonts whose letters are as wide, as browsers have it.
-    for (family, others) in [("Liberation Sans", ["Arial", "Helvetica"]), ("Liberation Serif", ["Times New Roman", "Times"]), ("Liberation Mono", ["Courier New", "Courier"])] {
-        let own: Vec<_> = fonts.faces().filter(|face| face.families.iter().any(|f| f.0 == family)).cloned().collect();
-        for (mut face, other) in own.into_iter().flat_map(|face| others.map(|other| (face.clone(), other))) {
+    let serif = first_of(["Times New Roman", "Liberation Serif", "DejaVu Serif", "Noto Serif"]);
+    let sans = first_of(["Arial", "Liberation Sans", "DejaVu Sans", "Noto Sans"]);
+    let mono = first_of(["Courier New", "Liberation Mono", "DejaVu Sans Mono", "Noto Sans Mono"]);
+    fonts.set_serif_family(serif.clone().unwrap_or_default());
+    fonts.set_sans_serif_family(sans.clone().unwrap_or_default());
+    fonts.set_monospace_family(mono.clone().unwrap_or_default());
+    // Names of one kind stand for its font, as browsers have it: Liberation's letters are as wide.
+    for (family, others) in [(sans, ["Arial", "Helvetica"]), (serif, ["Times New Roman", "Times"]), (mono, ["Courier New", "Courier"])] {
+        let own: Vec<_> = fonts.faces().filter(|face| face.families.iter().any(|f| Some(&f.0) == family.as_ref())).cloned().collect();
+        let missing = others.iter().filter(|other| !families.iter().any(|f| f == *other));
+        for (mut face, other) in own.into_iter().flat_map(|face| missing.clone().map(move |other| (face.clone(), other))) {
             face.families.push((other.to_string(), fontdb::Language::Unknown));
             fonts.push_face_info(face);
         }
