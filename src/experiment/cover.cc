@@ -12,6 +12,7 @@
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/regions.h"
 #include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/plan_notes.h"
 #include "impedraw/planning/cover/even_lines.h"
 #include "impedraw/planning/stroke_part.h"
 
@@ -211,11 +212,17 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
   if (!given("path.travel_acceleration")) s.path.travel_acceleration = 1.0;
   // A face that leans off the normal presses with one side, and more than the law makes up for.
   if (!given("path.tilt_allowance")) s.path.tilt_allowance_deg = 0.0;
-  if (!given("control.inertia") && s.control.source != WrenchSource::none &&
-      !s.perception.frames.enabled)  // a mass of its own follows a canvas that moves better
-    s.control.inertia = InertiaShaping::light_normal;
-  if (s.control.inertia == InertiaShaping::light_normal && !given("control.inertia_scale"))
-    s.control.inertia_scale = kLighter;
+  ControlSettings& control = s.control;
+  // A canvas that moves is followed better by a mass of its own, and by the estimate alone.
+  if (control.source != WrenchSource::none && !s.perception.frames.enabled) {
+    if (!given("control.inertia")) control.inertia = InertiaShaping::light_normal;
+    // The force tells more of the surface under a pad than the cloud does.
+    if (!control.pen_axis) control.pen_axis = PenAxis::plan;
+    if (!control.normal_error_deg) control.normal_error_deg = kRoughNormalError;
+    if (!control.felt_normal.share) control.felt_normal.share = kRoughFeltShare;
+  }
+  if (control.inertia == InertiaShaping::light_normal && !given("control.inertia_scale"))
+    control.inertia_scale = kLighter;
   const double r = s.tool.radius.value_or(PadSettings().radius), voxel = s.perception.voxel;
   NormalSettings& normals = s.perception.normals;
   const int over = static_cast<int>(std::numbers::pi * r * r / (voxel * voxel));
