@@ -14,35 +14,24 @@
 namespace impedraw {
 namespace {
 
-// For each vertex, the first one at the same position. A slot has a part of the hash beside it, so
-// that other vertices of a large mesh, which are not in the cache, are hardly ever looked at.
+// For each vertex, the first one at the same position.
 std::vector<int> merge_vertices(const std::vector<Eigen::Vector3d>& vertices) {
-  struct Slot {
-    int first = -1;
-    std::uint32_t mark = 0;
-  };
-  constexpr std::size_t kAhead = 16;
-  std::vector<int> first(vertices.size());
-  std::vector<Slot> slots(std::bit_ceil(2 * vertices.size()));
-  const auto hash_of = [&](std::size_t v) {
+  constexpr std::size_t kAhead = 16;  // a large mesh's slots are not in the cache
+  std::vector<int> first(vertices.size()), slots(std::bit_ceil(2 * vertices.size()), -1);
+  const auto slot_of = [&](std::size_t v) {
     std::uint64_t hash = 0;
     for (const double x : vertices[v]) {
       hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9E3779B97F4A7C15u;  // −0 is 0
       hash ^= hash >> 32;
     }
-    return hash;
+    return hash & (slots.size() - 1);
   };
   for (std::size_t v = 0; v < vertices.size(); ++v) {
-    if (v + kAhead < vertices.size())
-      __builtin_prefetch(&slots[hash_of(v + kAhead) & (slots.size() - 1)]);
-    const std::uint64_t hash = hash_of(v);
-    const auto mark = static_cast<std::uint32_t>(hash >> 32);
-    std::size_t i = hash & (slots.size() - 1);
-    while (slots[i].first >= 0 &&
-           (slots[i].mark != mark || vertices[slots[i].first] != vertices[v]))
-      i = (i + 1) & (slots.size() - 1);
-    if (slots[i].first < 0) slots[i] = {static_cast<int>(v), mark};
-    first[v] = slots[i].first;
+    if (v + kAhead < vertices.size()) __builtin_prefetch(&slots[slot_of(v + kAhead)]);
+    std::size_t i = slot_of(v);
+    while (slots[i] >= 0 && vertices[slots[i]] != vertices[v]) i = (i + 1) & (slots.size() - 1);
+    if (slots[i] < 0) slots[i] = static_cast<int>(v);
+    first[v] = slots[i];
   }
   return first;
 }

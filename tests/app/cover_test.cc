@@ -122,7 +122,7 @@ TEST_F(Cover, KeepsItsLinesWithinTheReach) {
 }
 
 // A hand lifts the pad for a while: nothing stays untreated and unsaid. As it let go of 15 N, the
-// light tip's answer was taken for that to a wrench that is made up.
+// light tip's answer was taken for a made-up wrench, and the run ended.
 TEST_F(Cover, KnowsWhatAHandHindered) {
   for (const std::string lift : {"12", "15"}) {
     SCOPED_TRACE(lift + " N");
