@@ -17,6 +17,7 @@ namespace cl = ClipperLib;
 constexpr double kRegionFineness = 5e8;  // of half the box; from 2^30 Clipper needs wider integers
 constexpr double kLeastFineness = 1e5;   // steps per millimetre, then with wider integers
 constexpr double kMostCrossings = 4e6;   // of one operation, which take 200 bytes each
+constexpr double kWidest = 1e17;         // steps of a stroke: its mitres stay in Clipper's range
 constexpr double kMitre = 2 * kMostReach;  // SVG's limit
 constexpr double kRound = 2e-3;            // of a round cap's chords, of the stroke's width
 constexpr double kRoundInset = 5e-3;       // of an inset's chords about corners, of its distance
@@ -118,6 +119,7 @@ Outlines RegionMath::run(int operation, const Outlines& a, const Outlines& b, bo
 
 Outlines RegionMath::stroked(const std::vector<Vector2d>& line, double width, bool closed,
                              bool round) const {
+  width = std::min(width, kWidest / fineness_);
   cl::ClipperOffset offset(kMitre, kRound * width * fineness_);
   offset.AddPaths(to_clipper({line}, centre_, fineness_), round ? cl::jtRound : cl::jtMiter,
                   closed  ? cl::etClosedLine
