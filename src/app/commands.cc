@@ -356,7 +356,9 @@ int report(const fs::path& folder, bool table) {
   if (!is_own_file(folder / "scenario.yaml"))
     write_whole(folder / "scenario.yaml", settings_yaml(scenario));
   const PlacedArtwork artwork = load_artwork(scenario.drawing, SettingErrors(Places()));
-  const Metrics metrics = write_results(folder, scenario, artwork, give_up_on(interrupt, folder));
+  const Metrics metrics =
+      write_results(folder, scenario, artwork, backdrop_of(scenario, artwork, folder),
+                    give_up_on(interrupt, folder));
   say(stdout, "{}{}", numbers(metrics, table), pages(folder, metrics));
   return kFinished;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <utility>
 
@@ -194,7 +195,12 @@ struct Canvas::Search {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
-  explicit Search(TriangleMesh given) : mesh(std::move(given)), topology(make_topology(mesh)) {
+  Search() = default;
+  // Delegates, so that what throws below is cleaned up after.
+  explicit Search(TriangleMesh given) : Search() {
+    mesh = std::move(given);
+    require_valid(mesh);
+    auto made = std::async(std::launch::async, [this] { return make_topology(mesh); });
     for (const auto& p : mesh.vertices) bounds.extend(p);
     origin = bounds.center();
     extent = bounds.diagonal().norm();
@@ -222,6 +228,7 @@ struct Canvas::Search {
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(scene);
+    topology = made.get();
   }
 
   ~Search() {

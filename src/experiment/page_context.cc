@@ -24,7 +24,8 @@ void add_link_mesh(const fs::path& file, int link, const VisualShape& shape,
     TriangleMesh mesh = read_mesh(file, {});
     for (Eigen::Vector3d& v : mesh.vertices)
       v = shape.X_LS * Eigen::Vector3d(v.cwiseProduct(shape.size));
-    meshes->push_back({link, std::move(mesh.vertices), std::move(mesh.triangles)});
+    constexpr double kOff = 1e-3;  // [m]; a pixel of the whole scene
+    meshes->push_back({link, page_mesh(mesh.vertices, mesh.triangles, 4000, kOff)});
   } catch (const InputError&) {
   }
 }

@@ -10,6 +10,7 @@
 
 #include "impedraw/capture/capture_cloud.h"
 #include "impedraw/capture/found_canvas.h"
+#include "impedraw/common/in_parallel.h"
 #include "impedraw/common/seeded_normals.h"
 #include "impedraw/experiment/simulated_camera.h"
 #include "impedraw/perception/patch_size.h"
@@ -192,16 +193,17 @@ CameraPoints points_of_cameras(const Scenario& s, const Canvas& canvas, const Wo
 }
 
 SurfaceEstimator estimator_of(const PointCloud& seen, const PerceptionSettings& p) {
-  PointCloud cloud = thin(seen, p.voxel);
+  const int levels = p.adapt && p.voxel > 0.0 ? 3 : 1;
+  FinerClouds finer(levels);  // but for the first
+  in_parallel(levels, [&](int i) { finer[i] = thin(seen, std::ldexp(p.voxel, -i)); });
+  PointCloud cloud = std::move(finer.front());
+  finer.erase(finer.begin());
   if (cloud.points.size() < static_cast<std::size_t>(p.normals.k))
     throw InputError(fmt::format(
         "the cameras see {} points of the canvas within perception.region ({:.2f} to {:.2f}, "
         "{:.2f} to {:.2f}, {:.2f} to {:.2f} m); at least {} are needed",
         cloud.points.size(), p.region_lower.x(), p.region_upper.x(), p.region_lower.y(),
         p.region_upper.y(), p.region_lower.z(), p.region_upper.z(), p.normals.k));
-  FinerClouds finer;
-  if (p.adapt && p.voxel > 0.0)
-    for (const double share : {0.5, 0.25}) finer.push_back(thin(seen, share * p.voxel));
   return SurfaceEstimator(std::move(cloud), p.normals, std::move(finer));
 }
 

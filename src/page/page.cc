@@ -1,11 +1,14 @@
 #include "impedraw/page/page.h"
 
+#include <array>
 #include <cstdint>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include <zlib.h>
+
+#include "impedraw/common/in_parallel.h"
 
 // The program of the page, made by web/build.mjs, and the commit.
 extern "C" {
@@ -41,16 +44,34 @@ std::string commit();  // page_json.h, which brings nlohmann's names
 
 namespace {
 
-std::string deflated(const std::string& bytes) {
+// One stream (zlib's format) of two halves that are made at once: the first ends on a whole byte.
+std::string deflated(std::string_view bytes) {
   constexpr int kLevel = 4;  // 6 takes twice as long, and makes the data 3 % smaller
-  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-  std::string out(size, '\0');
-  if (compress2(reinterpret_cast<Bytef*>(out.data()), &size,
-                reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
-                kLevel) != Z_OK)
-    throw std::runtime_error("the page's data cannot be compressed: no memory");
-  out.resize(size);
-  return out;
+  constexpr int kRaw = -15;  // without the format's head and sum
+  const std::array<std::string_view, 2> halves{bytes.substr(0, bytes.size() / 2),
+                                               bytes.substr(bytes.size() / 2)};
+  std::array<std::string, 2> out;
+  std::array<uLong, 2> sums{};
+  in_parallel(2, [&](int i) {
+    const auto size = static_cast<uInt>(halves[i].size());
+    const auto* const data = reinterpret_cast<const Bytef*>(halves[i].data());
+    sums[i] = adler32(adler32(0, nullptr, 0), data, size);
+    z_stream z{};
+    if (deflateInit2(&z, kLevel, Z_DEFLATED, kRaw, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+      throw std::runtime_error("the page's data cannot be compressed: no memory");
+    out[i].resize(deflateBound(&z, size) + 16);  // and the flush
+    z.next_in = const_cast<Bytef*>(data);
+    z.avail_in = size;
+    z.next_out = reinterpret_cast<Bytef*>(out[i].data());
+    z.avail_out = static_cast<uInt>(out[i].size());
+    deflate(&z, i == 0 ? Z_FULL_FLUSH : Z_FINISH);
+    out[i].resize(z.total_out);
+    deflateEnd(&z);
+  });
+  const uLong sum = adler32_combine(sums[0], sums[1], static_cast<z_off_t>(halves[1].size()));
+  std::string all = "\x78\x5e" + out[0] + out[1];
+  for (int shift = 24; shift >= 0; shift -= 8) all += static_cast<char>((sum >> shift) & 0xff);
+  return all;
 }
 
 std::string base64(std::string_view bytes) {

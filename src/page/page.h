@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/ink_match.h"
 #include "impedraw/metrics/metrics.h"
+#include "impedraw/page/page_mesh.h"
 
 namespace impedraw {
 
@@ -32,8 +34,7 @@ struct PageCamera {
 // The true shape of a link of the arm, in its frame L. Drawn in place of the link's `shapes`.
 struct PageLinkMesh {
   int link = 0;  // of PageContext::arm
-  std::vector<Eigen::Vector3d> vertices{};
-  std::vector<Eigen::Vector3i> triangles{};
+  PageMesh shape{};
 };
 
 // Data of a page that the log does not hold. All of it may be missing.
@@ -41,6 +42,8 @@ struct PageContext {
   std::vector<DrawnLink> arm{};  // empty: the pen alone is drawn
   std::vector<PageLinkMesh> meshes{};
   std::string meshes_notice{};  // their copyright and licence
+  std::shared_ptr<const PageMesh>
+      canvas{};  // canvas_mesh() of the log's, where it is there already
   std::vector<PageCamera> cameras{};
   std::vector<PageSetting> settings{};
   std::string command{};                               // that repeats the run

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <sstream>
 
-#include <meshoptimizer.h>
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
@@ -29,9 +28,6 @@ Json pose_json(const Pose& X) {
 
 Json number_json(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
-constexpr std::size_t kMostLinkTriangles = 4000;
-constexpr double kLinkOff = 1e-3;  // [m]; a pixel of the whole scene
-
 Json arm_json(PackedColumns& columns, const PageContext& context,
               const std::vector<std::string>& joints) {
   Json out = Json::array();
@@ -48,9 +44,7 @@ Json arm_json(PackedColumns& columns, const PageContext& context,
     }
     Json meshes = Json::array();
     for (const PageLinkMesh& mesh : context.meshes)
-      if (mesh.link == static_cast<int>(i))
-        meshes.push_back(
-            mesh_json(columns, mesh.vertices, mesh.triangles, kMostLinkTriangles, kLinkOff));
+      if (mesh.link == static_cast<int>(i)) meshes.push_back(mesh_json(columns, mesh.shape));
     out.push_back({{"name", link.name},
                    {"parent", link.parent},
                    {"pose", pose_json(link.X_PL)},
@@ -63,89 +57,23 @@ Json arm_json(PackedColumns& columns, const PageContext& context,
   return out;
 }
 
-using Eigen::Vector3d;
-
-Vector3d area_normal(const std::vector<Vector3d>& vertices, unsigned a, unsigned b, unsigned c) {
-  return (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]);
-}
-
-// Collapsed edges leave triangles without an area, and slivers that fold over their neighbours:
-// they face away from the surface as it was at their corners, and are turned over. (Without them
-// there would be pinholes.)
-std::vector<unsigned> unfolded(const std::vector<Vector3d>& vertices,
-                               const std::vector<unsigned>& whole,
-                               const std::vector<unsigned>& thinned) {
-  std::vector<Vector3d> normals(vertices.size(), Vector3d::Zero());
-  for (std::size_t i = 0; i + 2 < whole.size(); i += 3) {
-    const Vector3d n = area_normal(vertices, whole[i], whole[i + 1], whole[i + 2]);
-    for (int k = 0; k < 3; ++k) normals[whole[i + k]] += n;
-  }
-  std::vector<unsigned> kept;
-  for (std::size_t i = 0; i + 2 < thinned.size(); i += 3) {
-    const unsigned a = thinned[i], b = thinned[i + 1], c = thinned[i + 2];
-    const Vector3d around =
-        normals[a].normalized() + normals[b].normalized() + normals[c].normalized();
-    const double faces = area_normal(vertices, a, b, c).dot(around);
-    if (faces > 0.0) kept.insert(kept.end(), {a, b, c});
-    if (faces < 0.0) kept.insert(kept.end(), {a, c, b});
-  }
-  return kept;
-}
-
-constexpr std::size_t kStride = 3 * sizeof(float);
-
-std::vector<float> floats_of(const std::vector<Vector3d>& vertices) {
-  std::vector<float> positions;
-  positions.reserve(3 * vertices.size());
-  for (const Vector3d& v : vertices)
-    for (int k = 0; k < 3; ++k) positions.push_back(static_cast<float>(v[k]));
-  return positions;
-}
-
-std::vector<unsigned> corners_of(const std::vector<Eigen::Vector3i>& triangles) {
-  std::vector<unsigned> corners;
-  corners.reserve(3 * triangles.size());
-  for (const Eigen::Vector3i& triangle : triangles)
-    for (int k = 0; k < 3; ++k) corners.push_back(static_cast<unsigned>(triangle[k]));
-  return corners;
-}
-
-// Leaves out the vertices that no triangle uses.
-PageMesh compacted(const std::vector<Vector3d>& vertices, const std::vector<unsigned>& corners,
-                   double error) {
-  PageMesh mesh;
-  mesh.error = error;
-  std::vector<int> place(vertices.size(), -1);
-  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
-    Eigen::Vector3i triangle;
-    for (int k = 0; k < 3; ++k) {
-      int& to = place[corners[i + k]];
-      if (to < 0) {
-        to = static_cast<int>(mesh.vertices.size());
-        mesh.vertices.push_back(vertices[corners[i + k]]);
-      }
-      triangle[k] = to;
-    }
-    mesh.triangles.push_back(triangle);
-  }
-  return mesh;
-}
-
-std::vector<std::int64_t> differences(const std::vector<std::int64_t>& k, int order) {
-  std::vector<std::int64_t> d = k;
-  for (int pass = 0; pass < order; ++pass)
-    for (std::size_t i = d.size(); i-- > 1;) d[i] -= d[i - 1];
-  return d;
-}
-
 std::uint64_t zigzag(std::int64_t d) {
   return d < 0 ? 2 * static_cast<std::uint64_t>(-(d + 1)) + 1 : 2 * static_cast<std::uint64_t>(d);
 }
 
-double bits(const std::vector<std::int64_t>& d) {
-  double sum = 0.0;
-  for (const std::int64_t x : d) sum += static_cast<double>(std::bit_width(zigzag(x)));
-  return sum;
+// The order of differences that takes the fewest bits.
+int best_order(const std::vector<std::int64_t>& k) {
+  std::array<std::uint64_t, 3> bits{};
+  std::int64_t last = 0, last_step = 0;
+  for (const std::int64_t x : k) {
+    const std::int64_t step = x - last;
+    bits[0] += static_cast<std::uint64_t>(std::bit_width(zigzag(x)));
+    bits[1] += static_cast<std::uint64_t>(std::bit_width(zigzag(step)));
+    bits[2] += static_cast<std::uint64_t>(std::bit_width(zigzag(step - last_step)));
+    last = x;
+    last_step = step;
+  }
+  return static_cast<int>(std::min_element(bits.begin(), bits.end()) - bits.begin());
 }
 
 void put_uint32(std::string& bytes, std::uint32_t x) {
@@ -171,22 +99,17 @@ Json numbers_json(const Eigen::VectorXd& v) {
   return out;
 }
 
-Json mesh_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& vertices,
-               const std::vector<Eigen::Vector3i>& triangles, std::size_t most, double off,
-               PageMesh* kept) {
-  PageMesh mesh = page_mesh(vertices, triangles, most);
-  Json out;
+Json mesh_json(PackedColumns& columns, const PageMesh& mesh) {
   const auto corners = [&columns](const std::vector<Eigen::Vector3i>& of) {
     return columns.add(
         3 * of.size(), [&](std::size_t i) { return static_cast<double>(of[i / 3][i % 3]); }, 1.0);
   };
+  Json out;
   out["vertices"] = points_json(columns, mesh.vertices, 2e-5);
   out["triangles"] = corners(mesh.triangles);
-  const std::vector<Eigen::Vector3i> coarse = coarse_triangles(mesh, off);
-  if (!coarse.empty()) out["coarse"] = corners(coarse);
-  out["of"] = triangles.size();
+  if (!mesh.coarse.empty()) out["coarse"] = corners(mesh.coarse);
+  out["of"] = mesh.of;
   out["error_mm"] = 1e3 * mesh.error;
-  if (kept) *kept = std::move(mesh);
   return out;
 }
 
@@ -232,7 +155,7 @@ Json no_plots(PackedColumns& columns) {
 }
 
 Json begun_page(PackedColumns& columns, const char* kind, const std::string& title,
-                const RunDescription& run, const PageContext& context, PageMesh* canvas) {
+                const RunDescription& run, const PageContext& context, const PageMesh& canvas) {
   Json page;
   page["format"] = 1;
   page["kind"] = kind;
@@ -264,8 +187,7 @@ Json begun_page(PackedColumns& columns, const char* kind, const std::string& tit
   page["drawing_axis"] = vector_json(context.R_WP.col(2));
   page["drawing_up"] = vector_json(context.R_WP.col(0));
   page["ink_width_mm"] = context.ink_width;
-  page["canvas"] =
-      mesh_json(columns, run.canvas_vertices, run.canvas_triangles, 16000, kCanvasOff, canvas);
+  page["canvas"] = mesh_json(columns, canvas);
   page["cloud"] = cloud_json(columns, run.cloud_points, run.cloud_colour);
   return page;
 }
@@ -275,50 +197,6 @@ std::string text_of_file(const std::filesystem::path& path) {
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return text.str();
-}
-
-PageMesh page_mesh(const std::vector<Eigen::Vector3d>& vertices,
-                   const std::vector<Eigen::Vector3i>& triangles, std::size_t most) {
-  std::vector<unsigned> corners = corners_of(triangles);
-  double error = 0.0;
-  if (triangles.size() > most) {
-    const std::vector<float> positions = floats_of(vertices);
-    constexpr float kAnyError = 1e-2f;  // of the mesh's extent
-    const double scale = meshopt_simplifyScale(positions.data(), vertices.size(), kStride);
-    std::vector<unsigned> fewer(corners.size());
-    float relative = 0.0f;
-    std::size_t n = meshopt_simplify(fewer.data(), corners.data(), corners.size(), positions.data(),
-                                     vertices.size(), kStride, 3 * most, kAnyError,
-                                     meshopt_SimplifyLockBorder, &relative);
-    if (n > 6 * most)
-      n = meshopt_simplifySloppy(fewer.data(), corners.data(), corners.size(), positions.data(),
-                                 vertices.size(), kStride, 3 * most, 1.0f, &relative);
-    fewer.resize(n);
-    corners = unfolded(vertices, corners, fewer);
-    error = relative * scale;
-  }
-  // The order of triangles that deflates best is also the one that a graphics card likes best.
-  if (!corners.empty())
-    meshopt_optimizeVertexCache(corners.data(), corners.data(), corners.size(), vertices.size());
-  return compacted(vertices, corners, error);
-}
-
-std::vector<Eigen::Vector3i> coarse_triangles(const PageMesh& mesh, double off) {
-  const std::vector<unsigned> corners = corners_of(mesh.triangles);
-  const std::vector<float> positions = floats_of(mesh.vertices);
-  const double scale = meshopt_simplifyScale(positions.data(), mesh.vertices.size(), kStride);
-  if (corners.empty() || !(scale > 0.0)) return {};
-  std::vector<unsigned> fewer(corners.size());
-  fewer.resize(meshopt_simplify(fewer.data(), corners.data(), corners.size(), positions.data(),
-                                mesh.vertices.size(), kStride, 0, static_cast<float>(off / scale),
-                                meshopt_SimplifyLockBorder, nullptr));
-  fewer = unfolded(mesh.vertices, corners, fewer);
-  if (fewer.empty() || 3 * fewer.size() > 2 * corners.size()) return {};
-  meshopt_optimizeVertexCache(fewer.data(), fewer.data(), fewer.size(), mesh.vertices.size());
-  std::vector<Eigen::Vector3i> coarse;
-  for (std::size_t i = 0; i + 2 < fewer.size(); i += 3)
-    coarse.push_back(Eigen::Matrix<unsigned, 3, 1>(fewer.data() + i).cast<int>());
-  return coarse;
 }
 
 nlohmann::json PackedColumns::add(std::size_t n, const std::function<double(std::size_t)>& value,
@@ -339,21 +217,17 @@ nlohmann::json PackedColumns::add(std::size_t n, const std::function<double(std:
   }
   runs.push_back(run);
 
-  std::array<std::vector<std::int64_t>, 3> coded;
-  int order = 0;
-  for (int candidate = 0; candidate < 3; ++candidate) {
-    coded[candidate] = differences(k, candidate);
-    if (bits(coded[candidate]) < bits(coded[order])) order = candidate;
-  }
+  const int order = best_order(k);
+  for (int pass = 0; pass < order; ++pass)
+    for (std::size_t i = n; i-- > 1;) k[i] -= k[i - 1];
   std::uint64_t most = 0;
-  for (const std::int64_t d : coded[order]) most = std::max(most, zigzag(d));
+  for (const std::int64_t d : k) most = std::max(most, zigzag(d));
   const int planes = std::max(1, (static_cast<int>(std::bit_width(most)) + 7) / 8);
 
   nlohmann::json how = {
       {"n", n}, {"quantum", quantum}, {"order", order}, {"planes", planes}, {"at", bytes_.size()}};
   for (int plane = 0; plane < planes; ++plane)
-    for (const std::int64_t d : coded[order])
-      bytes_ += static_cast<char>((zigzag(d) >> (8 * plane)) & 0xff);
+    for (const std::int64_t d : k) bytes_ += static_cast<char>((zigzag(d) >> (8 * plane)) & 0xff);
   if (runs.size() > 1) {
     how["runs"] = runs.size();
     how["runs_at"] = bytes_.size();

@@ -39,34 +39,12 @@ class PackedColumns {
   std::string bytes_;
 };
 
-// A mesh with few enough triangles for a page.
-struct PageMesh {
-  std::vector<Eigen::Vector3d> vertices;   // some of those given
-  std::vector<Eigen::Vector3i> triangles;  // into `vertices`
-  double error = 0.0;  // largest distance to the mesh given, as the method estimates it [m]
-};
-
-// Leaves at most about `most` triangles, or all if there are fewer: edges are collapsed where that
-// changes the surface least (meshoptimizer); borders stay. A mesh that is still too large by then,
-// as one of many loose pieces, is merged on a grid.
-PageMesh page_mesh(const std::vector<Eigen::Vector3d>& vertices,
-                   const std::vector<Eigen::Vector3i>& triangles, std::size_t most);
-
-// Fewer triangles on the same vertices, within about `off` [m] of the mesh: what a renderer without
-// a graphics card draws. Empty where that saves less than a third of them.
-std::vector<Eigen::Vector3i> coarse_triangles(const PageMesh& mesh, double off);
-
 nlohmann::json points_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& points,
                            double quantum);
 nlohmann::json vector_json(const Eigen::Vector3d& v);
 nlohmann::json numbers_json(const Eigen::VectorXd& v);  // null where not finite
 
-// A mesh of at most about `most` triangles, and a coarse one within `off` of that [m], where it has
-// much fewer; `kept`: what became of it.
-inline constexpr double kCanvasOff = 8e-5;  // as coarseOff of web/src/scene.ts
-nlohmann::json mesh_json(PackedColumns& columns, const std::vector<Eigen::Vector3d>& vertices,
-                         const std::vector<Eigen::Vector3i>& triangles, std::size_t most = 16000,
-                         double off = kCanvasOff, PageMesh* kept = nullptr);
+nlohmann::json mesh_json(PackedColumns& columns, const PageMesh& mesh);
 
 // `values` with name, label and unit.
 nlohmann::json series_json(std::string name, std::string label, std::string unit,
@@ -85,10 +63,10 @@ nlohmann::json no_plots(PackedColumns& columns);
 
 // The beginning of every page: format, kind, name, title; from the run, attributes, joints, modes,
 // canvas, cloud; from the context, version, commit, command, settings, arm, arm_notice, cameras,
-// drawing_axis, drawing_up, ink_width_mm. `canvas`: what became of its mesh.
+// drawing_axis, drawing_up, ink_width_mm.
 nlohmann::json begun_page(PackedColumns& columns, const char* kind, const std::string& title,
                           const RunDescription& run, const PageContext& context,
-                          PageMesh* canvas = nullptr);
+                          const PageMesh& canvas);
 
 // The content of a file; empty if there is none.
 std::string text_of_file(const std::filesystem::path& path);

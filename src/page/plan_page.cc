@@ -41,8 +41,8 @@ Json target_of(PackedColumns& columns, const RunLogHeader& header) {
 
 PagePayload make_payload(const PlanPage& plan, const PageContext& context) {
   PackedColumns columns;
-  PageMesh mesh;
-  Json out = begun_page(columns, "plan", plan.title, plan, context, &mesh);
+  const PageMesh mesh = canvas_mesh(plan.canvas_vertices, plan.canvas_triangles);
+  Json out = begun_page(columns, "plan", plan.title, plan, context, mesh);
   out["definitions"] = Json::array();
   out["metrics"] = out["limits"] = out["strokes"] = Json::object();
   out["plan"] = Json::parse(plan.numbers);
@@ -132,7 +132,8 @@ std::vector<std::string> live_columns(const RunLogHeader& header) {
 PagePayload make_payload(const LivePage& page, const RunLogHeader& header,
                          const PageContext& context) {
   PackedColumns columns;
-  Json out = begun_page(columns, "live", page.title, header, context);
+  Json out = begun_page(columns, "live", page.title, header, context,
+                        canvas_mesh(header.canvas_vertices, header.canvas_triangles));
   out["live"] = {
       {"columns", live_columns(header)}, {"duration", page.duration}, {"strokes", page.strokes}};
   out["definitions"] = Json::array();

@@ -381,7 +381,9 @@ PagePayload make_payload(const PageRun& page, const RunData& run, const InkMatch
     if (context.check) context.check();
   };
   PackedColumns columns;
-  Json out = begun_page(columns, "run", page.title, run, context);
+  Json out = begun_page(
+      columns, "run", page.title, run, context,
+      context.canvas ? *context.canvas : canvas_mesh(run.canvas_vertices, run.canvas_triangles));
   if (!page.name.empty()) out["name"] = page.name;
   step();
   out["definitions"] = Json::array();

@@ -9,16 +9,18 @@
 
 namespace impedraw {
 
-// The number of the cube of `side` [m] that p lies in, not 0; they repeat after 2²¹ cubes. Each
-// cube's middle is a multiple of the side.
+// The number of the cube of side 1 that p lies in, not 0; they repeat after 2²¹ cubes. Each cube's
+// middle has whole coordinates.
+inline std::uint64_t cube_of(const Eigen::Vector3d& p) noexcept {
+  constexpr double kUp = (1 << 20) + 0.5;  // makes places positive, so that they can be cut off
+  const auto along = [](double x) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(x + kUp)) & 0x1fffff;
+  };
+  return 1ull << 63 | along(p.x()) << 42 | along(p.y()) << 21 | along(p.z());
+}
+// Of the cubes of `side` [m].
 inline std::uint64_t cube_of(const Eigen::Vector3d& p, double side) noexcept {
-  constexpr double kUp = 1 << 20;  // makes places positive, so that they can be cut off
-  std::uint64_t number = 1;
-  for (int k = 0; k < 3; ++k)
-    number = number << 21 |
-             (static_cast<std::uint64_t>(static_cast<std::int64_t>(p[k] / side + (kUp + 0.5))) &
-              0x1fffff);
-  return number;
+  return cube_of(Eigen::Vector3d(p / side));
 }
 
 // Open addressing over blocks of 4 × 4 × 4 cubes, each with a bit for each of its cubes: of a
@@ -30,10 +32,12 @@ class CubeSet {
   }
   // True where the cube was no member yet.
   bool insert(std::uint64_t cube) {
-    Place& place = places_[place_of(block_of(cube))];
+    const std::uint64_t block = block_of(cube);
+    if (places_[last_].block != block) last_ = place_of(block);
+    Place& place = places_[last_];
     if ((place.cubes & bit_of(cube)) != 0) return false;
     if (place.cubes == 0) ++size_;
-    place = {block_of(cube), place.cubes | bit_of(cube)};
+    place = {block, place.cubes | bit_of(cube)};
     if (2 * size_ > places_.size()) grow();
     return true;
   }
@@ -59,12 +63,14 @@ class CubeSet {
   void grow() {
     std::vector<Place> old(2 * places_.size());
     places_.swap(old);
+    last_ = 0;
     for (const Place& place : old)
       if (place.cubes != 0) places_[place_of(place.block)] = place;
   }
 
   std::vector<Place> places_ = std::vector<Place>(64);
   std::size_t size_ = 0;  // blocks
+  std::size_t last_ = 0;  // slot of the last insertion
 };
 
 }  // namespace impedraw

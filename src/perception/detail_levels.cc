@@ -41,10 +41,13 @@ std::unique_ptr<const DetailLevels> DetailLevels::of(const CloudPatches& widest,
                                                      FinerClouds finer) {
   const NormalSettings& s = widest.settings();
   std::unique_ptr<DetailLevels> levels(new DetailLevels(widest));
-  for (PointCloud& cloud : finer)
-    if (static_cast<int>(cloud.points.size()) > s.k)
-      levels->finer_.push_back(
-          {std::make_shared<const CloudPatches>(std::move(cloud), s), s.k, {}});
+  std::erase_if(finer, [&s](const PointCloud& cloud) {
+    return static_cast<int>(cloud.points.size()) <= s.k;
+  });
+  levels->finer_.resize(finer.size());
+  in_parallel(static_cast<int>(finer.size()), [&](int i) {
+    levels->finer_[i] = {std::make_shared<const CloudPatches>(std::move(finer[i]), s), s.k, {}};
+  });
   if (!levels->any()) return nullptr;
   levels->finest_ = levels->finer_.back().patches;
   for (const Vector3d& p : levels->finest_->cloud().points)

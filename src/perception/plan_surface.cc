@@ -149,11 +149,13 @@ void PlanSurface::find_holes() {
     const Vector3d foot = p - surface.distance * surface.n;
     constexpr int kSteps = static_cast<int>(kHoleReach / kHoleStep);
     const Vector3d a = kHoleStep * surface.n.unitOrthogonal(), b = surface.n.cross(a);
+    const Vector3d foot_cubes = foot / kHoleStep, a_cubes = a / kHoleStep, b_cubes = b / kHoleStep;
     for (int u = -kSteps; u <= kSteps; ++u)
       for (int v = -kSteps; v <= kSteps; ++v) {
         if (u * u + v * v > kSteps * kSteps) continue;
+        if (!looked->insert(cube_of(foot_cubes + u * a_cubes + v * b_cubes))) continue;
         const Vector3d place = foot + u * a + v * b;
-        if (looked->insert(cube_of(place, kHoleStep)) && is_hole(place)) found->push_back(place);
+        if (is_hole(place)) found->push_back(place);
       }
   };
   std::vector<Vector3d> more;

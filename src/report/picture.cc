@@ -191,21 +191,34 @@ Eigen::AlignedBox2d extent(const InkDrawing& d) {
   return box;
 }
 
+// (right, down, towards the viewer) [mm]
+Eigen::Vector3d seen_along_axis(const Eigen::Matrix3d& R_PW, const Eigen::Vector3d& p_W) {
+  const Eigen::Vector3d p = R_PW * p_W;
+  return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()};
+}
+
 }  // namespace
+
+std::shared_ptr<const Relief> ink_relief(const std::vector<Eigen::Vector3d>& vertices,
+                                         const std::vector<Eigen::Vector3i>& triangles,
+                                         const Eigen::Matrix3d& R_WP) {
+  return std::make_shared<const Relief>(make_relief(
+      vertices, triangles, [R_PW = Eigen::Matrix3d(R_WP.transpose())](const Eigen::Vector3d& p_W) {
+        return seen_along_axis(R_PW, p_W);
+      }));
+}
 
 void write_ink_top(const RunData& run, const InkMatch& drawn, const std::filesystem::path& stem,
                    const PictureSettings& settings) {
   const Eigen::Matrix3d R_PW = settings.R_WP.transpose();
   const auto view = [&R_PW](const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
-    const Eigen::Vector3d p = R_PW * p_W;
-    return {-1e3 * p.y(), -1e3 * p.x()};
+    return seen_along_axis(R_PW, p_W).head<2>();
   };
   const InkDrawing ink = prepare(run, drawn, view, settings);
-  const Relief relief = make_relief(run.canvas_vertices, run.canvas_triangles,
-                                    [&R_PW](const Eigen::Vector3d& p_W) -> Eigen::Vector3d {
-                                      const Eigen::Vector3d p = R_PW * p_W;
-                                      return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()};
-                                    });
+  const std::shared_ptr<const Relief> made =
+      settings.relief ? settings.relief
+                      : ink_relief(run.canvas_vertices, run.canvas_triangles, settings.R_WP);
+  const Relief& relief = *made;
   Sheet sheet = common_sheet(run, drawn, ink, settings);
   sheet.area =
       with_margin(relief.columns > 0 ? relief.area.merged(extent(ink)) : extent(ink), 0.03);

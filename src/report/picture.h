@@ -13,6 +13,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,8 +28,16 @@
 
 namespace impedraw {
 
+struct Relief;
+
+// The mesh as background of ink_top, seen along −z of the drawing frame.
+std::shared_ptr<const Relief> ink_relief(const std::vector<Eigen::Vector3d>& vertices,
+                                         const std::vector<Eigen::Vector3i>& triangles,
+                                         const Eigen::Matrix3d& R_WP);
+
 struct PictureSettings {
-  std::string title{};  // upper left; empty: the log's attribute `scenario`
+  std::shared_ptr<const Relief> relief{};  // ink_relief() of the log's canvas; null: made here
+  std::string title{};                     // upper left; empty: the log's attribute `scenario`
   PenSettings pen{};
   std::optional<DrawnPens> pens{};  // of layers, in place of `pen`
   Eigen::Matrix3d R_WP = Eigen::Matrix3d::

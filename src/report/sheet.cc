@@ -125,8 +125,8 @@ cairo_status_t append_to_string(void* to, const unsigned char* data, unsigned in
   return CAIRO_STATUS_SUCCESS;
 }
 
-// The image as PNG. Each row is told as what differs from the one above, and deflated lightly: a
-// fifth larger than by Cairo's writer, which tries all filters on each row, in half the time.
+// The image as PNG, unfiltered and deflated lightly: a sixth larger than by Cairo's writer, which
+// tries all filters on each row, in a third of the time.
 std::string png_of(cairo_surface_t* image) {
   cairo_surface_flush(image);
   const int height = cairo_image_surface_get_height(image);
@@ -143,7 +143,7 @@ std::string png_of(cairo_surface_t* image) {
   png_set_IHDR(png, info, static_cast<png_uint_32>(cairo_image_surface_get_width(image)),
                static_cast<png_uint_32>(height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
   png_set_compression_level(png, 3);
   png_write_info(png, info);
   png_set_bgr(png);  // a pixel is blue, green, red and a byte without meaning

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <future>
 #include <optional>
 #include <thread>
 
@@ -191,6 +192,13 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
   if (judge && resumption)
     visit_rows(folder / "run.h5", [&judge](const LogRow& row) { judge->add(row); });
   Drawing drawing;
+  const bool simulated = experiment.scenario.arm.driver == ArmDriver::sim;
+  // On the second core while a simulated arm draws. The loop of a real one has both for itself.
+  std::future<Backdrop> backdrop =
+      std::async(simulated ? std::launch::async : std::launch::deferred, [&] {
+        return backdrop_of(experiment.scenario, experiment.artwork, folder,
+                           &experiment.yardstick.canvas);
+      });
   {
     Interrupt interrupt;
     ProgressLine line;
@@ -205,7 +213,6 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
       return interrupt.emergency() || (watch.emergency && watch.emergency());
     };
     GoAhead go_ahead;
-    const bool simulated = experiment.scenario.arm.driver == ArmDriver::sim;
     // True while a person was asked, and has answered neither here nor on the live page.
     const auto awaited = [&] {
       if (!go_ahead.asked()) return false;
@@ -282,8 +289,8 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
   write_strokes(folder, experiment, drawing.outcome);
   if (judge) write_whole(folder / judge->file(), judge->results().dump(2) + "\n");
   if (watch.ended) watch.ended();
-  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork, check,
-                                  experiment.yardstick.surface.get());
+  drawing.metrics = write_results(folder, experiment.scenario, experiment.artwork, backdrop.get(),
+                                  check, experiment.yardstick.surface.get());
   return drawing;
 }
 

@@ -46,9 +46,19 @@ void write_metrics(const std::filesystem::path& folder, const Metrics& metrics) 
 
 }  // namespace
 
+Backdrop backdrop_of(const Scenario& scenario, const PlacedArtwork& artwork,
+                     const std::filesystem::path& folder, const TriangleMesh* canvas) {
+  Backdrop backdrop{page_context(scenario, artwork, draw_again(folder))};
+  if (!canvas) return backdrop;
+  backdrop.page.canvas =
+      std::make_shared<const PageMesh>(canvas_mesh(canvas->vertices, canvas->triangles));
+  backdrop.relief = ink_relief(canvas->vertices, canvas->triangles, artwork.X_WP.R);
+  return backdrop;
+}
+
 Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                      const PlacedArtwork& artwork, const std::function<void()>& check,
-                      const Canvas* canvas) {
+                      const PlacedArtwork& artwork, Backdrop backdrop,
+                      const std::function<void()>& check, const Canvas* canvas) {
   const auto step = [&check] {
     if (check) check();
   };
@@ -63,21 +73,23 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
                            const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
     return placement.to_page((X_PW * p_W).head<2>());
   };
-  // On the second core while metrics and page are made. Does not read the log: HDF5 is not for two
+  PictureSettings picture;
+  picture.relief = std::move(backdrop.relief);
+  picture.pen = scenario.pen;
+  picture.pens = read_pens(run.attributes);
+  // Wide enough to be seen beside the ink, and no wider than ink that swells or other pens draw.
+  double thinnest = scenario.pen.thinnest();
+  if (picture.pens)
+    for (const DrawnPen& pen : picture.pens->pens)
+      thinnest = std::min(thinnest, pen.line.thinnest());
+  picture.target_width = 2.6 * thinnest;
+  picture.R_WP = artwork.X_WP.R;
+  picture.left_out = left_out_in(folder / "strokes.json");
+  // On other cores while metrics and page are made. They do not read the log: HDF5 is not for two
   // threads.
-  std::future<void> pictures = std::async(std::launch::async, [&] {
-    PictureSettings picture;
-    picture.pen = scenario.pen;
-    picture.pens = read_pens(run.attributes);
-    // Wide enough to be seen beside the ink, and no wider than ink that swells or other pens draw.
-    double thinnest = scenario.pen.thinnest();
-    if (picture.pens)
-      for (const DrawnPen& pen : picture.pens->pens)
-        thinnest = std::min(thinnest, pen.line.thinnest());
-    picture.target_width = 2.6 * thinnest;
-    picture.R_WP = artwork.X_WP.R;
-    picture.left_out = left_out_in(folder / "strokes.json");
-    write_ink_top(run, drawn, folder / "ink_top", picture);
+  std::future<void> top = std::async(
+      std::launch::async, [&] { write_ink_top(run, drawn, folder / "ink_top", picture); });
+  std::future<void> page = std::async(std::launch::async, [&] {
     write_ink_page(run, drawn, to_page, artwork.shape.target().page, folder / "ink_page", picture);
   });
   Metrics metrics = compute_metrics(run, drawn, canvas);
@@ -85,10 +97,11 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
   write_metrics(folder, metrics);
   step();
   ReportSettings report;
-  report.page = page_context(scenario, artwork, draw_again(folder));
+  report.page = std::move(backdrop.page);
   report.page.check = check;
   report.pictures_written = [&] {
-    pictures.get();
+    top.get();
+    page.get();
     step();
   };
   write_report(folder, run, drawn, metrics, report);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,17 +14,29 @@
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/log/log.h"
 #include "impedraw/metrics/metrics.h"
+#include "impedraw/page/page.h"
+#include "impedraw/report/picture.h"
 
 namespace impedraw {
 
 class Canvas;
 
+// What results show beside the log, which may be made before there is one.
+struct Backdrop {
+  PageContext page{};
+  std::shared_ptr<const Relief> relief{};  // of ink_top; null: made from the log
+};
+
+// `canvas`: the log's.
+Backdrop backdrop_of(const Scenario& scenario, const PlacedArtwork& artwork,
+                     const std::filesystem::path& folder, const TriangleMesh* canvas = nullptr);
+
 // Writes metrics.json, ink_top and ink_page (SVG and PNG) and report.html beside folder/run.h5.
 // The pictures are views along the artwork's drawing axis. `check` is called now and then; what it
 // throws ends the work. `canvas`: as in compute_metrics. Returns the metrics.
 Metrics write_results(const std::filesystem::path& folder, const Scenario& scenario,
-                      const PlacedArtwork& artwork, const std::function<void()>& check = {},
-                      const Canvas* canvas = nullptr);
+                      const PlacedArtwork& artwork, Backdrop backdrop,
+                      const std::function<void()>& check = {}, const Canvas* canvas = nullptr);
 
 // The file of a covered area; its "metrics" come first in metrics.json.
 inline constexpr const char* kCoverFile = "cover.json";

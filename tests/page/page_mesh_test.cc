@@ -33,7 +33,7 @@ TEST(PageMesh, ALargeMeshIsThinnedWithoutLeavingTheSurface) {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3i> triangles;
   make_bowl(200, &vertices, &triangles);
-  const PageMesh mesh = page_mesh(vertices, triangles, 5000);
+  const PageMesh mesh = page_mesh(vertices, triangles, 5000, 1e-4);
   EXPECT_LE(mesh.triangles.size(), 5000u);
   EXPECT_GT(mesh.triangles.size(), 500u);
   double worst = 0.0, area = 0.0;
@@ -56,7 +56,7 @@ TEST(PageMesh, TwoMillionTrianglesBecomeAsManyAsAPageShows) {
   make_bowl(1000, &vertices, &triangles);
   ASSERT_EQ(triangles.size(), 2'000'000u);
   constexpr std::size_t kMost = 16000;
-  const PageMesh mesh = page_mesh(vertices, triangles, kMost);
+  const PageMesh mesh = page_mesh(vertices, triangles, kMost, 1e-4);
   EXPECT_LE(mesh.triangles.size(), kMost + kMost / 4);
   EXPECT_GT(mesh.triangles.size(), kMost / 4);
   double worst = 0.0, area = 0.0;
@@ -87,7 +87,7 @@ TEST(PageMesh, ThinningMakesNoHoles) {
   for (Eigen::Vector3d& v : vertices)
     if (v.head<2>().cwiseAbs().maxCoeff() < 0.1999)
       v.head<2>() += 4e-4 * Eigen::Vector2d(normals.next(), normals.next());
-  const PageMesh mesh = page_mesh(vertices, triangles, 5000);
+  const PageMesh mesh = page_mesh(vertices, triangles, 5000, 1e-4);
   EXPECT_EQ(border_edges(mesh.triangles), 800);
 }
 
@@ -95,8 +95,8 @@ TEST(PageMesh, CoarseTrianglesStayWithinTheirTolerance) {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3i> triangles;
   make_bowl(100, &vertices, &triangles);
-  const PageMesh mesh = page_mesh(vertices, triangles, 100000);
-  const std::vector<Eigen::Vector3i> coarse = coarse_triangles(mesh, 1e-4);
+  const PageMesh mesh = page_mesh(vertices, triangles, 100000, 1e-4);
+  const std::vector<Eigen::Vector3i>& coarse = mesh.coarse;
   EXPECT_LT(3 * coarse.size(), mesh.triangles.size());
   EXPECT_GT(coarse.size(), 500u);
   EXPECT_EQ(border_edges(coarse), 400);
@@ -109,8 +109,8 @@ TEST(PageMesh, CoarseTrianglesStayWithinTheirTolerance) {
   }
   EXPECT_NEAR(area, 0.16, 1e-3);
   EXPECT_LT(worst, 2e-4) << "the quadric's measure, not the largest distance";
-  EXPECT_TRUE(coarse_triangles(mesh, 1e-9).empty()) << "nothing to save";
-  EXPECT_TRUE(coarse_triangles({}, 1e-4).empty());
+  EXPECT_TRUE(page_mesh(vertices, triangles, 100000, 1e-9).coarse.empty()) << "nothing to save";
+  EXPECT_TRUE(page_mesh({}, {}, 10, 1e-4).coarse.empty());
 }
 
 TEST(PageMesh, ASmallMeshStaysWhole) {
@@ -118,11 +118,11 @@ TEST(PageMesh, ASmallMeshStaysWhole) {
   std::vector<Eigen::Vector3i> triangles;
   make_bowl(5, &vertices, &triangles);
   vertices.push_back({9, 9, 9});  // unused
-  const PageMesh mesh = page_mesh(vertices, triangles, 5000);
+  const PageMesh mesh = page_mesh(vertices, triangles, 5000, 1e-4);
   EXPECT_EQ(mesh.triangles.size(), 50u);
   EXPECT_EQ(mesh.vertices.size(), 36u);
   EXPECT_EQ(mesh.error, 0.0);
-  EXPECT_TRUE(page_mesh({}, {}, 10).triangles.empty());
+  EXPECT_TRUE(page_mesh({}, {}, 10, 1e-4).triangles.empty());
 }
 
 }  // namespace
