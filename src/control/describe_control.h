@@ -20,8 +20,8 @@ template <class F, class S>
 void describe_felt_normal(F& f, S& s) {
   f.field("share", s.share, {0.0, 1.0}, "",
           "Of the felt normal, beyond the deviation, in the normal that the law follows. 0: the "
-          "force tells nothing of the surface. null: 0, but 0.5 where the surface under the "
-          "drawing is rough.");
+          "force tells nothing of the surface. null: 0, but 0.5 under a pad, and where the surface "
+          "under the drawing is rough.");
   f.constant("deviation", s.deviation, {0.0, 2.0}, "");
   f.constant("force_error", s.force_error, {0.0, 50.0}, "N");
 }

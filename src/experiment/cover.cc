@@ -213,14 +213,10 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
   // A face that leans off the normal presses with one side, and more than the law makes up for.
   if (!given("path.tilt_allowance")) s.path.tilt_allowance_deg = 0.0;
   ControlSettings& control = s.control;
-  // A canvas that moves is followed better by a mass of its own, and by the estimate alone.
-  if (control.source != WrenchSource::none && !s.perception.frames.enabled) {
-    if (!given("control.inertia")) control.inertia = InertiaShaping::light_normal;
-    // The force tells more of the surface under a pad than the cloud does.
-    if (!control.pen_axis) control.pen_axis = PenAxis::plan;
-    if (!control.normal_error_deg) control.normal_error_deg = kRoughNormalError;
-    if (!control.felt_normal.share) control.felt_normal.share = kRoughFeltShare;
-  }
+  // A canvas that moves is followed better by a mass of its own.
+  if (control.source != WrenchSource::none && !s.perception.frames.enabled &&
+      !given("control.inertia"))
+    control.inertia = InertiaShaping::light_normal;
   if (control.inertia == InertiaShaping::light_normal && !given("control.inertia_scale"))
     control.inertia_scale = kLighter;
   const double r = s.tool.radius.value_or(PadSettings().radius), voxel = s.perception.voxel;

@@ -53,13 +53,13 @@ void describe(Fields& f, ControlSettings& s) {
   f.choice(
       "pen_axis", s.pen_axis, {"surface", "plan"},
       "Pen's axis while drawing: along the plan's smoothed normals, or along the estimated normal "
-      "at the tip. null: surface, but plan where the surface under the drawing is rough. The pen "
-      "pushes along the estimated normal either way.");
+      "at the tip. null: surface, but plan under a pad, and where the surface under the drawing "
+      "is rough. The pen pushes along the estimated normal either way.");
   f.field(
       "normal_error", s.normal_error_deg, kNormalErrorRange, "deg",
       "The estimated normal may err by this angle. The part of a measured wrench that the error "
       "explains, up to its tangent times the normal force, does not push the pen aside. null: 0, "
-      "but 30 where the surface under the drawing is rough.");
+      "but 30 under a pad, and where the surface under the drawing is rough.");
   f.field("null_stiffness", s.null_stiffness, kNullStiffnessRange, "Nm/rad",
           "Stiffness K_q of the null space, equation (15), one per joint; empty: 10 each.");
   f.field(

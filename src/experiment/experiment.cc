@@ -7,12 +7,17 @@
 namespace impedraw {
 
 ControlSetup control_for(PlannedDrawing* drawing, const Places& places) {
-  const bool rough = drawing->plan.rough;
+  const Scenario& given = drawing->scenario;
   ControlSettings& s = drawing->scenario.control;
-  const bool leans = drawing->scenario.path.lean_deg > 0.0;
-  if (!s.pen_axis) s.pen_axis = rough || leans ? PenAxis::plan : PenAxis::surface;
-  if (!s.normal_error_deg) s.normal_error_deg = rough ? kRoughNormalError : 0.0;
-  if (!s.felt_normal.share) s.felt_normal.share = rough ? kRoughFeltShare : 0.0;
+  // The force tells more than the cloud does of rough ground, and of the surface under a pad. A
+  // canvas that moves is followed better by the estimate alone.
+  const bool feels = drawing->plan.rough ||
+                     (given.tool.kind == ToolKind::pad && s.source != WrenchSource::none &&
+                      !given.perception.frames.enabled);
+  const bool leans = given.path.lean_deg > 0.0;
+  if (!s.pen_axis) s.pen_axis = feels || leans ? PenAxis::plan : PenAxis::surface;
+  if (!s.normal_error_deg) s.normal_error_deg = feels ? kRoughNormalError : 0.0;
+  if (!s.felt_normal.share) s.felt_normal.share = feels ? kRoughFeltShare : 0.0;
   const SettingErrors setting_errors(places);
   ControlSetup control =
       make_control_setup(drawing->scenario, drawing->belief, drawing->plan, setting_errors);
