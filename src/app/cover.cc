@@ -99,17 +99,6 @@ std::vector<char> promised_places(const Experiment& e, const CoverPlan& plan,
   return swept(on, lines, plan.wish.footprint.radius - kAstray);
 }
 
-// What a perfect planner reaches with this arm: what is promised, and what else the footprint fits,
-// less what the arm cannot reach on any of the lines.
-std::vector<char> reachable_by_arm(const CoverPlan& plan, const TrueCover& truth,
-                                   const std::vector<char>& promised) {
-  std::vector<char> places = truth.reachable;
-  const std::vector<char> beyond = swept(truth.grid, plan.beyond_arm, plan.wish.footprint.radius);
-  for (std::size_t v = 0; v < places.size(); ++v)
-    places[v] = promised[v] || (places[v] && !beyond[v]);
-  return places;
-}
-
 struct Results {
   std::vector<char> places;         // that are promised
   TreatmentShares promised, inner;  // of these, and of those a radius inside
@@ -124,7 +113,9 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   const double r = plan.wish.footprint.radius;
   const std::vector<char> promised = promised_places(e, plan, g);
   const std::vector<char> inner = inside_by(g, promised, r);
-  const double reachable = area_of(g, reachable_by_arm(plan, truth, promised));
+  std::vector<char> reachable_places = truth.reachable;
+  for (std::size_t v = 0; v < g.size(); ++v) reachable_places[v] |= promised[v];
+  const double reachable = area_of(g, reachable_places);
   Results out;
   out.places = promised;
   out.promised = shares_of(judge.truth(), promised);
@@ -134,11 +125,11 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   // The maps agree on what is evenly done where their doses, over their means, do.
   double off = 0.0, of = 0.0;
   for (std::size_t v = 0; v < g.size(); ++v) {
-    if (promised[v] && !judge.truth().treated(v) && judge.arm().treated(v)) out.unsaid += g.area(v);
+    if (promised[v] && !judge.truth().treated(v) && judge.arm().treated(v)) out.unsaid += g.area[v];
     if (!inner[v] || !(out.inner.dose_mean > 0.0)) continue;
     const double d = (judge.arm().dose(v) - judge.truth().dose(v)) / out.inner.dose_mean;
-    off += g.area(v) * d * d;
-    of += g.area(v);
+    off += g.area[v] * d * d;
+    of += g.area[v];
   }
   const auto share = [](double part, double whole) { return whole > 0.0 ? part / whole : 0.0; };
   out.metrics["treated_share"] = share(out.promised.treated, out.promised.area);
@@ -248,7 +239,7 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   CoverPlan plan = plan_cover(scenario, scene.belief, X_WP, errors, [&](double share) {
     line->update("covering the surface", 0.1 + 0.2 * share);
   });
-  const TrueCover truth = true_cover(scenario, scene.truth, X_WP, plan);
+  const TrueCover truth = true_cover(scenario, scene, X_WP, plan);
   scenes.give_back(std::move(scene));
   make_folder(folder);
   const fs::path strokes = fs::absolute(folder / "cover.csv"),
@@ -267,7 +258,6 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   lay(plan, laid_in, 0.3);
   CoverPlan within = plan;
   bool beyond = keep_within_reach(scenario, *laid, &within);
-  plan.beyond_arm = within.beyond_arm;
   bool cut = keep_drawn(scenario, *laid, &plan);
   if (beyond) {
     for (int round = 0; beyond; ++round) {

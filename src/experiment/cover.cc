@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,7 @@
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/plan_notes.h"
 #include "impedraw/planning/cover/even_lines.h"
+#include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/stroke_part.h"
 
 namespace impedraw {
@@ -31,6 +33,7 @@ constexpr double kExact = 1e-3;
 constexpr double kLighter = 0.15;
 // Of the centres from places that the arm does not reach [m].
 constexpr double kOffReach = 1e-3;
+constexpr double kReachStep = 8e-3;  // between places for which the arm is asked [m]
 
 Footprint footprint_of(const PadSettings& pad) { return {pad.radius, pad.rest, pad.thickness}; }
 
@@ -193,6 +196,37 @@ void lay_lines(const Scenario& s, CoverPlan* cover) {
   promise(s, better.inner, !plan.centres.within_reach.empty(), cover);
 }
 
+// Of the centres those of squares in whose middle the arm has a posture for the pad.
+void keep_reached(const Scenario& s, const Belief& belief, const Pose& X_WP, const SurfaceGrid& g,
+                  Centres* centres) {
+  const PreflightSettings settings = preflight_settings(s, X_WP, true, belief.start_q);
+  const int side = std::max(1, static_cast<int>(std::lround(kReachStep / g.step)));
+  in_parallel((g.ny + side - 1) / side, [&](int row) {
+    PostureCheck check(belief.arm, belief.obstacle.get(), belief.start_q, settings);
+    JointVector last = belief.start_q;
+    for (int i0 = 0; i0 < g.nx; i0 += side) {
+      const auto in_square = [&](auto&& visit) {
+        for (int j = row * side; j < std::min(g.ny, (row + 1) * side); ++j)
+          for (int i = i0; i < std::min(g.nx, i0 + side); ++i)
+            if (const std::size_t v = g.index(i, j); centres->allowed[v]) visit(v);
+      };
+      const Eigen::Vector2d middle =
+          g.low + g.step * (Eigen::Vector2d(i0, row * side).array() + 0.5 * (side - 1)).matrix();
+      std::optional<std::size_t> at;
+      in_square([&](std::size_t v) {
+        if (!at || (g.plane(v) - middle).norm() < (g.plane(*at) - middle).norm()) at = v;
+      });
+      if (!at) continue;
+      const Eigen::Vector3d n = centres->feet.at(g, g.plane(*at)).normal();
+      const Posture posture = check.enter({X_WP * g.point(*at), -(X_WP.R * n)}, last);
+      if (posture.reached && !posture.problem)
+        last = posture.q;
+      else
+        in_square([&](std::size_t v) { centres->allowed[v] = 0; });
+    }
+  });
+}
+
 std::vector<Eigen::Vector2d> line_of(const PlacedArtwork& artwork, const StrokePart& part) {
   const PlacedStroke& stroke = artwork.strokes[static_cast<std::size_t>(part.stroke)];
   return part_of(stroke, part.from, part.to).p_P;
@@ -263,7 +297,6 @@ bool keep_within_reach(const Scenario& s, const PlannedDrawing& drawing, CoverPl
     const bool of_arm = f.problem >= Problem::out_of_reach && f.problem <= Problem::arm_collision;
     if (f.way != WayEnd::none) continue;  // it may be planned otherwise
     if (of_arm || f.problem == Problem::crawls) lost.push_back(f.part);
-    if (of_arm) plan->beyond_arm.push_back(line_of(drawing.artwork, f.part));
   }
   lost = merged(std::move(lost));
   std::vector<double> to_lost(g.size(), kFar), to_kept = to_lost;
@@ -314,13 +347,16 @@ bool keep_drawn(const Scenario& s, const PlannedDrawing& drawing, CoverPlan* pla
   return true;
 }
 
-TrueCover true_cover(const Scenario& s, const Truth& truth, const Pose& X_WP,
+TrueCover true_cover(const Scenario& s, const Scene& scene, const Pose& X_WP,
                      const CoverPlan& plan) {
   TrueCover cover;
-  cover.grid = same_places(plan.grid, canvas_height(truth.canvas, X_WP), s.preflight.max_slope_deg);
+  cover.grid =
+      same_places(plan.grid, canvas_height(scene.truth.canvas, X_WP), s.preflight.max_slope_deg);
   CoverWish wish = plan.wish;
   wish.margin = 0.0;
-  cover.reachable = swept(cover.grid, footprint_centres(cover.grid, wish), wish.footprint.radius);
+  Centres centres = footprint_centres(cover.grid, wish);
+  keep_reached(s, scene.belief, X_WP, cover.grid, &centres);
+  cover.reachable = swept(cover.grid, centres, wish.footprint.radius);
   return cover;
 }
 

@@ -8,7 +8,7 @@
 
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/scenario.h"
-#include "impedraw/experiment/truth.h"
+#include "impedraw/experiment/scene.h"
 #include "impedraw/planning/cover/cover_lines.h"
 #include "impedraw/planning/cover/even_forces.h"
 #include "impedraw/settings/setting_error.h"
@@ -26,7 +26,6 @@ struct CoverPlan {
   std::vector<std::vector<double>> forces;  // at each point of the lines [N]
   double promised_area = 0.0;               // [m²]
   std::vector<std::string> notes;           // what of the area is not covered, one line each
-  PlaneLines beyond_arm;                    // where a footprint's centre is out of the arm's reach
 };
 
 // The scenario as ./impedraw cover completes it: a pad where the tool is not given, 100 mm/s,
@@ -48,12 +47,13 @@ bool keep_within_reach(const Scenario& scenario, const PlannedDrawing& drawing, 
 bool keep_drawn(const Scenario& scenario, const PlannedDrawing& drawing, CoverPlan* plan);
 
 // A grid over the same places with the heights of the true canvas, and what a perfect planner
-// reaches there: the footprint anywhere in the region where it touches and the slope allows it.
+// reaches there: the footprint anywhere in the region where it touches, the slope allows it and the
+// arm has a posture, asked every 8 mm.
 struct TrueCover {
   SurfaceGrid grid;
   std::vector<char> reachable;
 };
-TrueCover true_cover(const Scenario& scenario, const Truth& truth, const Pose& X_WP,
+TrueCover true_cover(const Scenario& scenario, const Scene& scene, const Pose& X_WP,
                      const CoverPlan& plan);
 
 // The passes as strokes (stroke_file.h, CSV), and the scenario that draws them from that file.

@@ -11,9 +11,9 @@ ControlSetup control_for(PlannedDrawing* drawing, const Places& places) {
   ControlSettings& s = drawing->scenario.control;
   // The force tells more than the cloud does of rough ground, and of the surface under a pad. A
   // canvas that moves is followed better by the estimate alone.
-  const bool feels = drawing->plan.rough ||
-                     (given.tool.kind == ToolKind::pad && s.source != WrenchSource::none &&
-                      !given.perception.frames.enabled);
+  const bool feels =
+      drawing->plan.rough || (given.tool.kind == ToolKind::pad && s.source != WrenchSource::none &&
+                              !given.perception.frames.enabled);
   const bool leans = given.path.lean_deg > 0.0;
   if (!s.pen_axis) s.pen_axis = feels || leans ? PenAxis::plan : PenAxis::surface;
   if (!s.normal_error_deg) s.normal_error_deg = feels ? kRoughNormalError : 0.0;

@@ -17,9 +17,7 @@ TreatmentMap::TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double forc
       dose_(grid_.size(), 0.0),
       good_(grid_.size(), 0.0),
       last_(grid_.size(), -1e9),
-      visits_(grid_.size(), 0) {
-  for (std::size_t v = 0; v < grid_.size(); ++v) area_.push_back(grid_.area(v));
-}
+      visits_(grid_.size(), 0) {}
 
 void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& v_P, double time,
                          double dt, bool on_line) {
@@ -41,8 +39,8 @@ void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& 
     const Eigen::Vector3d q = X_EP * grid_.point(v);
     if (q.head<2>().norm() > pad_.radius) return;
     under_.emplace_back(v, q.z());
-    area += area_[v];
-    moment += area_[v] * q.z();
+    area += grid_.area[v];
+    moment += grid_.area[v] * q.z();
   });
   // Places that do not touch drop out until all that are left do.
   double depth = 0.0;
@@ -51,8 +49,8 @@ void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& 
     depth = (force / pad_.stiffness + moment) / area;
     std::erase_if(under_, [&](const auto& place) {
       if (place.second < depth) return false;
-      area -= area_[place.first];
-      moment -= area_[place.first] * place.second;
+      area -= grid_.area[place.first];
+      moment -= grid_.area[place.first] * place.second;
       return true;
     });
   }

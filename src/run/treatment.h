@@ -36,8 +36,8 @@ class TreatmentMap {
              bool on_line = true);
 
   const SurfaceGrid& grid() const { return grid_; }
-  double area(std::size_t v) const { return area_[v]; }  // of a place [m²]
-  double dose(std::size_t v) const { return dose_[v]; }  // [Pa m]
+  double area(std::size_t v) const { return grid_.area[v]; }  // of a place [m²]
+  double dose(std::size_t v) const { return dose_[v]; }       // [Pa m]
   bool treated(std::size_t v) const { return good_[v] >= kShare * crossing_; }
   int visits(std::size_t v) const { return visits_[v]; }  // apart by kApart
   // The pad's mean pressure, while it slides at over a tenth of its speed [Pa].
@@ -53,7 +53,7 @@ class TreatmentMap {
   double mean_ = 0.0;                       // of the pad's pressure over kMean [Pa]
   double last_time_ = -1.0;
   double sum_ = 0.0, sum2_ = 0.0, slid_ = 0.0;
-  std::vector<double> area_, dose_, good_, last_;
+  std::vector<double> dose_, good_, last_;
   std::vector<int> visits_;
   std::vector<std::pair<std::size_t, double>> under_;  // vertices under the pad, z_E [m]
 };

@@ -118,6 +118,7 @@ TEST_F(Cover, KeepsItsLinesWithinTheReach) {
   EXPECT_GT(whole["metrics"]["treated_share"], 0.995);
   EXPECT_LT(whole["metrics"]["removal_cv"], 0.12);
   EXPECT_GT(whole["areas_cm2"]["promised"], 55.0);
+  EXPECT_NEAR(whole["areas_cm2"]["reachable"], 65.0, 3.0);  // of 84 that the pad fits
   EXPECT_NE(said().find("or where the arm does not reach"), std::string::npos) << said();
 }
 

@@ -9,8 +9,12 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     require_urdf(input.rest(), "fuzz.urdf");
     // What is accepted has the shape that was promised.
     if (input.rest().find("<robot") == input.rest().npos) std::abort();
-    if (input.rest().find("<include") != input.rest().npos &&
-        input.rest().find("<!--") == input.rest().npos &&
+    const std::size_t at = input.rest().find("<include");
+    const auto ends_name = [](char c) {
+      return std::string_view(" \t\r\n/>").find(c) != std::string_view::npos;
+    };
+    if (at != input.rest().npos && at + 8 < input.rest().size() &&
+        ends_name(input.rest()[at + 8]) && input.rest().find("<!--") == input.rest().npos &&
         input.rest().find("<![CDATA[") == input.rest().npos &&
         input.rest().find("<?") == input.rest().npos)
       std::abort();

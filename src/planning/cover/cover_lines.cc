@@ -213,7 +213,7 @@ Centres footprint_centres(const SurfaceGrid& g, const CoverWish& wish) {
   std::vector<char> inside(g.size());
   for (std::size_t v = 0; v < g.size(); ++v) {
     inside[v] = g.known[v] && (wish.region.empty() || wish.region[v]);
-    if (inside[v]) c.wanted += g.area(v);
+    if (inside[v]) c.wanted += g.area[v];
   }
   const double keep = wish.footprint.radius + wish.margin;
   c.clearance = distance_to_edge(g, inside);
@@ -342,7 +342,7 @@ std::vector<char> inside_by(const SurfaceGrid& g, const std::vector<char>& place
 double area_of(const SurfaceGrid& g, const std::vector<char>& places) {
   double sum = 0.0;
   for (std::size_t v = 0; v < g.size(); ++v)
-    if (places[v]) sum += g.area(v);
+    if (places[v]) sum += g.area[v];
   return sum;
 }
 

@@ -74,7 +74,7 @@ std::vector<std::vector<double>> even_forces(const SurfaceGrid& g, const PlaneLi
     const std::vector<double> dose = dose_of(g, segments, force);
     if (round == 0)
       for (std::size_t v = 0; v < g.size(); ++v)
-        if (places[v]) mean += g.area(v) * dose[v], area += g.area(v);
+        if (places[v]) mean += g.area[v] * dose[v], area += g.area[v];
     if (!(area > 0.0)) break;
     for (std::size_t k = 0; k < segments.size(); ++k) {
       double sum = 0.0, n = 0.0;

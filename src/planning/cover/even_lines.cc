@@ -28,7 +28,7 @@ struct Unevenness {
 
 std::vector<double> areas_of(const SurfaceGrid& g, const std::vector<char>& places) {
   std::vector<double> area(g.size());
-  for (std::size_t v = 0; v < g.size(); ++v) area[v] = places[v] ? g.area(v) : 0.0;
+  for (std::size_t v = 0; v < g.size(); ++v) area[v] = places[v] ? g.area[v] : 0.0;
   return area;
 }
 

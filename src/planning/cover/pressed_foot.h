@@ -30,6 +30,9 @@ class PressedFoot {
     return compression_ + (d.z() - plane_.dot(Eigen::Vector3d(1.0, d.x(), d.y()))) * along_normal_;
   }
   double pressure(const Eigen::Vector3d& p) const { return std::max(0.0, depth(p)) / mean_; }
+  Eigen::Vector3d normal() const {  // of the plane, upward
+    return along_normal_ * Eigen::Vector3d(-plane_.y(), -plane_.z(), 1.0);
+  }
 
  private:
   friend class PressedFeet;

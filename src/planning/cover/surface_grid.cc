@@ -56,6 +56,7 @@ void ask_heights(const SurfaceHeight& surface, double max_slope_deg,
   const std::size_t n = static_cast<std::size_t>(g->nx) * static_cast<std::size_t>(g->ny);
   g->z.assign(n, 0.0);
   g->known.assign(n, 0);
+  g->area.assign(n, 0.0);
   const double least = std::cos(max_slope_deg * std::numbers::pi / 180.0);
   for (int j = 0; j < g->ny; ++j) {
     SurfaceHeight::Sample last;
@@ -66,6 +67,7 @@ void ask_heights(const SurfaceHeight& surface, double max_slope_deg,
       if (!last) continue;
       g->z[v] = last->p_P.z();
       g->known[v] = last->n_P.z() >= least;
+      g->area[v] = g->step * g->step / std::max(last->n_P.z(), 0.01);
     }
     if (progress) progress((j + 1.0) / g->ny);
   }
@@ -96,10 +98,6 @@ Eigen::Vector2d SurfaceGrid::slope(std::size_t v) const {
   const int j0 = std::max(0, j - 1), j1 = std::min(ny - 1, j + 1);
   return {(z[index(i1, j)] - z[index(i0, j)]) / (step * (i1 - i0)),
           (z[index(i, j1)] - z[index(i, j0)]) / (step * (j1 - j0))};
-}
-
-double SurfaceGrid::area(std::size_t v) const {
-  return step * step * std::sqrt(1.0 + slope(v).squaredNorm());
 }
 
 double SurfaceGrid::sample(const std::vector<double>& field, const Eigen::Vector2d& p) const {

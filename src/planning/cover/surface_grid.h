@@ -22,8 +22,9 @@ struct SurfaceGrid {
   Eigen::Vector2d low = Eigen::Vector2d::Zero();  // of vertex (0, 0), in P [m]
   double step = 0.0;                              // [m]
   int nx = 0, ny = 0;
-  std::vector<double> z;    // heights [m]; where there is no surface, continued smoothly
-  std::vector<char> known;  // there is a surface, no steeper than allowed
+  std::vector<double> z;     // heights [m]; where there is no surface, continued smoothly
+  std::vector<char> known;   // there is a surface, no steeper than allowed
+  std::vector<double> area;  // of the surface about each vertex, by its normal; 0 without one [m²]
 
   std::size_t size() const { return z.size(); }
   std::size_t index(int i, int j) const {
@@ -39,7 +40,6 @@ struct SurfaceGrid {
     return {p.x(), p.y(), z[v]};
   }
   Eigen::Vector2d slope(std::size_t v) const;  // ∇z
-  double area(std::size_t v) const;            // of the surface about a vertex [m²]
   // Bilinear in a field of the grid; outside: of the nearest place on its border.
   double sample(const std::vector<double>& field, const Eigen::Vector2d& p) const;
   Eigen::Vector3d lifted(const Eigen::Vector2d& p) const { return {p.x(), p.y(), sample(z, p)}; }

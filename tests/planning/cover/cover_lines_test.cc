@@ -82,6 +82,21 @@ TEST(SurfaceGrid, HasTheSamePlacesOnAnotherSurface) {
   }
 }
 
+// Of a cap: 2πR h. Beside a step, its side is no area to cover.
+TEST(SurfaceGrid, AreasAreThoseOfTheSurface) {
+  const SurfaceGrid cap = grid_of(dome());
+  double sum = 0.0;
+  for (std::size_t v = 0; v < cap.size(); ++v)
+    if (cap.plane(v).norm() < 0.09) sum += cap.area[v];
+  const double h = kRadius - std::sqrt(kRadius * kRadius - 0.09 * 0.09);
+  EXPECT_NEAR(sum, 2.0 * std::numbers::pi * kRadius * h, 0.01 * sum);
+
+  const SurfaceGrid step = grid_of([](double x, double y) -> SurfaceHeight::Sample {
+    return SurfaceSample{{x, y, x > 0.0 ? 0.05 : 0.0}};
+  });
+  for (std::size_t v = 0; v < step.size(); ++v) ASSERT_DOUBLE_EQ(step.area[v], kStep * kStep);
+}
+
 TEST(CoverLines, AreEquallySpacedOnTheSphere) {
   const SurfaceGrid g = grid_of(dome());
   const std::vector<double> T = distance_across(g, {0.0, 0.0}, {1.0, 0.0});
