@@ -42,8 +42,7 @@ struct PageContext {
   std::vector<DrawnLink> arm{};  // empty: the pen alone is drawn
   std::vector<PageLinkMesh> meshes{};
   std::string meshes_notice{};  // their copyright and licence
-  std::shared_ptr<const PageMesh>
-      canvas{};  // canvas_mesh() of the log's, where it is there already
+  std::shared_ptr<const PageMesh> canvas{};  // canvas_mesh() of the log's; null: made here
   std::vector<PageCamera> cameras{};
   std::vector<PageSetting> settings{};
   std::string command{};                               // that repeats the run
