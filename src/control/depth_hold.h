@@ -1,11 +1,15 @@
 // Holds the depth of a cut below the touched surface, by the push along the normal.
 //
 // Score   a first, shallow cut by force alone: the surface is where E was, less the depth f_n/k
-// Cut     F = F_n + I,  İ = kRate k (d_asked − d),  |I| ≤ kShare F_n
-//         d = n·(p_S − p_E) − d_1 (1 − F_n/F)
+// Cut     F = F_n + I,  İ = kRate k (d_asked − d),  −kLess F_n ≤ I ≤ kMore F_n
+//         before it touches I = (h − 1) F_n;
+//         d = Δ + d_1/h,  Δ = n·(p_S − p_E) − d_1
 // F_n     of the reference: what the model of the cut asks for
 // p_S     of the touched places nearby, weighted by their nearness
-// d_1     depth of the score. In material F/F_n times as hard as believed it was that much less.
+// d_1     depth of the score. In material h times as hard as believed it was that much less.
+// h       learned in the first cut, from depth d_1 to d_2: F would reach the depth y in material as
+//         believed, so that h d = y and h Δ = y − d_1 ≈ (d_2 − d_1) (F/F_n)^e; filtered by kLearn
+// e       1.2 + 0.8 d_1/d_2, within 2 % of the model's: the score lies in the way of the cut
 // In contact only; at rest, and where nothing was touched, I stays. Allocates nothing.
 #pragma once
 
@@ -17,12 +21,14 @@ namespace impedraw {
 struct CutModel {
   double stiffness;  // k: force per depth in fresh material [N/m]
   double score;      // d_1 [m]
+  double first;      // d_2: of the first cut [m]
 };
 
 class DepthHold {
  public:
-  static constexpr double kRate = 6.0;   // [1/s]
-  static constexpr double kShare = 0.7;  // of F_n
+  static constexpr double kRate = 6.0;               // [1/s]
+  static constexpr double kLess = 0.7, kMore = 1.5;  // of F_n
+  static constexpr double kLearn = 0.5;              // [s]
 
   DepthHold(const CutModel& cut, double dt) : cut_(cut), dt_(dt) {}  // [s]
 
@@ -30,10 +36,14 @@ class DepthHold {
   double force(const TipReference& reference, const Eigen::Vector3d& p_E, const Eigen::Vector3d& n,
                double f_n, bool touches) noexcept;
 
+  // The score was here, as in force().
+  void touch(const Eigen::Vector3d& p_E, const Eigen::Vector3d& n, double f_n) noexcept;
+
  private:
   CutModel cut_;
   double dt_;
   double integral_ = 0.0;             // [N]
+  double hardness_ = 1.0;             // h
   PlaceMap touched_{5e-4, 1u << 17};  // p: mean of what was touched in the cube
 };
 

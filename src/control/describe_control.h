@@ -11,7 +11,7 @@ namespace impedraw {
 inline constexpr Range kMassRange = Range::positive_to(1000.0);  // [kg]
 inline constexpr Range kFrictionRange{0.0, 3.0};                 // coefficient
 inline constexpr Range kForceRange{0.0, 50.0};                   // of the push [N]
-inline constexpr Range kNormalErrorRange{0.0, 60.0};             // [deg]
+inline constexpr Range kNormalErrorRange{0.0, 75.0};             // [deg]
 inline constexpr Range kNullStiffnessRange{0.0, 500.0};          // [Nm/rad]
 inline constexpr Range kTorqueRateRange{1.0, 1e6};               // [Nm/s]
 

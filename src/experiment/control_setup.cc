@@ -97,7 +97,8 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
     const CutForces cut = cut_forces(*cutter, s.tool.depth, 0.0, s.path.draw_speed);
     settings.tip.stiffness = cut.normal / s.tool.depth;
     settings.contact.deepest += s.tool.depth;
-    settings.friction.coefficient = kCutSpread * cut.drag / cut.normal;
+    settings.friction.coefficient =
+        std::min(kFrictionRange.highest, kCutSpread * cut.drag / cut.normal);
     settings.friction.normal_error_deg =
         std::min(kNormalErrorRange.highest,
                  std::atan(kCutSpread * cut.side / cut.normal) * 180.0 / std::numbers::pi);
@@ -210,6 +211,17 @@ ControlSetup make_control_setup(const Scenario& s, const Belief& belief, const P
         {"tool.kind", "control.wrench", "perception.enabled"},
         "tool.kind: an engraver holds its depth by what it feels on a surface that "
         "it sees; valid is a measured control.wrench, and perception.enabled true");
+  if (const auto cutter = cutter_of(s.tool)) {
+    const CutForces cut = cut_forces(*cutter, s.tool.depth, 0.0, s.path.draw_speed);
+    if (kCutSpread * cut.drag > kFrictionRange.highest * cut.normal)
+      setting_errors.raise(
+          {"tool.half_angle", "path.draw_speed"},
+          fmt::format("tool.half_angle: a cone of {:.3g}° meets {:.1f} times as much drag as force "
+                      "along its axis, which cannot be told from a wall above {:.1f}; valid is a "
+                      "wider cone",
+                      s.tool.half_angle_deg, cut.drag / cut.normal,
+                      kFrictionRange.highest / kCutSpread));
+  }
   if (is_led(s.tool) && (!s.perception.enabled || s.perception.frames.enabled))
     setting_errors.raise(
         {"tool.kind", "perception.enabled", "perception.frames.enabled"},
@@ -228,7 +240,8 @@ ControlSetup make_control_setup(const Scenario& s, const Belief& belief, const P
     });
   }
   setup.impedance = impedance_settings(s, belief, plan, wrench_delay);
-  if (cutter_of(s.tool)) setup.cut = {setup.impedance.tip.stiffness, depths_of(s.tool).front()};
+  if (const std::vector<double> depths = depths_of(s.tool); cutter_of(s.tool))
+    setup.cut = {setup.impedance.tip.stiffness, depths[0], depths[1]};
   choose_mass(s.control, s.perception.frames.enabled, &setup.impedance);
   set_up_joint_sensing(s, belief.arm.joints(), setting_errors, &setup);
   choose_mass(s.control, s.perception.frames.enabled,

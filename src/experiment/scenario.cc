@@ -430,10 +430,10 @@ std::optional<CutterSettings> cutter_of(const ToolSettings& tool) {
 }
 
 std::vector<double> depths_of(const ToolSettings& tool) {
-  constexpr double kShallow = 0.25;
-  std::vector<double> depths{kShallow * tool.depth};
-  for (int i = 1; i <= tool.passes; ++i)
-    depths.push_back(tool.depth * (kShallow + (1.0 - kShallow) * i / tool.passes));
+  constexpr double kShallow = 0.25, kLeast = 0.05e-3;  // less force leaves the surface too often
+  const double first = tool.depth / tool.passes;
+  std::vector<double> depths{std::max(kShallow * first, std::min(kLeast, 0.5 * first))};
+  for (int i = 1; i <= tool.passes; ++i) depths.push_back(first * i);
   return depths;
 }
 

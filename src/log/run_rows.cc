@@ -84,11 +84,14 @@ void visit_rows(const std::filesystem::path& path,
     double wxyz[4], pose[7];
     take(i, "/time", 1, false, &row.time);
     take(i, "/stroke", 1, true, &row.stroke);
+    take(i, "/mode", 1, true, &row.mode);
+    if (log.has("/stroke_along")) take(i, "/stroke_along", 1, false, &row.stroke_along);
     take(i, measured, joints, false, row.measured_position.data());
     take(i, "/tip/position", 3, false, row.tip_position.data());
     take(i, "/tip/orientation", 4, false, wxyz);
     row.tip_orientation = Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
     take(i, "/contact/force", 3, false, row.contact_force.data());
+    take(i, "/contact/point", 3, false, row.contact_point.data());
     take(i, "/contact/normal", 3, false, row.contact_normal.data());
     take(i, "/wrench/measured", 6, false, row.wrench_measured.data());
     take(i, "/surface/normal", 3, false, row.surface_normal.data());

@@ -75,6 +75,10 @@ class ControlLoop {
     estimator_->lengthen_pen(longer_by);
     if (new_one) estimator_->start_tare();
   }
+  // A cutter scored the surface here, in an earlier run (depth_hold.h).
+  void scored(const Eigen::Vector3d& p_KE, const Eigen::Vector3d& n_K, double f_n) noexcept {
+    if (depth_) depth_->touch(p_KE, n_K, f_n);
+  }
   // True once the sensor's bias is known, or if there is no sensor.
   bool tared() const noexcept { return !estimator_ || estimator_->tared(); }
 

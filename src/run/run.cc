@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/log/resume_log.h"
+#include "impedraw/log/run_rows.h"
 #include "impedraw/run/drawings.h"
 #include "impedraw/run/driven_arm.h"
 #include "impedraw/run/executor.h"
@@ -148,6 +149,15 @@ std::optional<Resumption> read_resumption(const Experiment& e,
     resumption.ink.add(row.stroke, row.stroke_along,
                        writes(e, static_cast<ContactMode>(row.mode), force, row.push));
   }
+  ArmModel arm = e.belief.arm;
+  const auto score = [&](const LogRow& row) {
+    if (row.stroke < 0 || e.plan.strokes[static_cast<std::size_t>(row.stroke)].depth > 0.0 ||
+        row.mode != static_cast<int>(ContactMode::contact) || !row.surface_normal.allFinite())
+      return;
+    resumption.scores.push_back({arm.tip_pose(row.measured_position).p, row.surface_normal,
+                                 row.surface_normal.dot(row.wrench_measured.head<3>())});
+  };
+  if (e.control.cut) visit_rows(log_file, score);
   resumption.q = before.joint_position;
   resumption.X_WK = before.canvas_pose;
   resumption.time = before.rows.back().time + e.control.impedance.timing.dt;

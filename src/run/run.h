@@ -117,6 +117,11 @@ struct Resumption {
   Pose X_WK;                        // canvas, as last estimated
   double time = 0.0;                // first free time in the log [s]
   std::optional<HeldPen> pen = {};  // absent: not known; that of the last ink
+  struct Score {
+    Eigen::Vector3d p_WE, n_W;
+    double f_n;  // [N]
+  };
+  std::vector<Score> scores = {};  // where a cutter found the surface
 };
 
 // Reads the state from a log; none if the log has no step. Throws InputError if the log cannot be

@@ -15,6 +15,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/log/resume_log.h"
 #include "impedraw/log/run_data.h"
+#include "impedraw/log/run_rows.h"
 #include "made_up_run.h"
 
 namespace impedraw {
@@ -266,6 +267,14 @@ TEST_F(AppendTest, DrawnBeforeHoldsWhatTheRowsHold) {
     for (int k = 0; k < 3; ++k) f += row.wrench_measured[k] * row.surface_normal[k];
     EXPECT_DOUBLE_EQ(d.f, f);
   }
+  int i = 0;
+  visit_rows(path(), [&](const LogRow& d) {
+    const LogRow row = numbered_row(i++);
+    EXPECT_EQ(d.stroke_along, row.stroke_along);
+    EXPECT_EQ(d.mode, row.mode);
+    if (row.contact_point.allFinite()) EXPECT_EQ(d.contact_point, row.contact_point);
+  });
+  EXPECT_EQ(i, kRows);
   EXPECT_EQ(drawn.joint_position, Eigen::VectorXd(numbered_row(kRows - 1).joint_position));
   write(path("empty.h5"), 0);
   EXPECT_TRUE(read_resume_log(path("empty.h5")).rows.empty());

@@ -144,6 +144,18 @@ TEST(RattleMonitor, LeavesAPlaceThatCamerasDoNotResolveAndEndsAtAStiffCanvas) {
   EXPECT_EQ(wires.end, RunEnd::finished);
 }
 
+// A cutter's score is pushed with 0.3 N; what comes down meets the canvas no softer for that.
+TEST(RattleMonitor, TakesNoTouchdownUnderALightPushForHammering) {
+  MadeUpCycle made;
+  made.out.mode = ContactMode::contact;
+  made.out.push = 0.3;
+  RattleMonitor monitor(4e4);
+  for (int i = 0; i < 1000; ++i) {
+    made.F_ext.head<3>() = (i < 20 ? 4.0 : 0.3) * made.out.n_WD;
+    EXPECT_FALSE(monitor.judge(made.next())) << i;
+  }
+}
+
 // A canvas that all cameras see.
 CanvasEstimate seen() {
   CanvasEstimate estimate;

@@ -115,6 +115,18 @@ TEST(SideMonitor, TakesNeitherFrictionNorASlopeForAWall) {
   EXPECT_EQ(cycles_aside({-3, 0, 0.5}), -1);  // gently
 }
 
+// A slim cone cuts with twice as much force across as along the normal.
+TEST(SideMonitor, BearsWhatTheLawExpectsOfACutter) {
+  const auto notices = [](const Vector3d& F) {
+    SideMonitor watch(3.0);
+    for (int i = 0; i < 1000; ++i)
+      if (watch.update(n, F, kCycle)) return true;
+    return false;
+  };
+  EXPECT_FALSE(notices({-6, 0, 2.5}));
+  EXPECT_TRUE(notices({-6, 0, 1.5}));
+}
+
 TEST(SideMonitor, ForgetsShortBlows) {
   SideMonitor watch;
   const int blow = static_cast<int>(0.6 * SideMonitor::kConfirm / kCycle);

@@ -1,11 +1,19 @@
 #include "impedraw/run/monitors/block_monitor.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace impedraw {
 namespace {
 constexpr double kAside = 1.0e-3;  // [m]
+constexpr double kSpread = 1.3;    // of the force across, over what the law explains
+
+// The force across the normal that the law expects of the contact, over the one along it.
+double across(const FrictionSettings& s) {
+  return std::hypot(s.coefficient, std::tan(s.normal_error_deg * std::numbers::pi / 180.0));
+}
 }  // namespace
 
 std::optional<StrokePart> place_on_path(const PathSample& desired, const TipPath& path,
@@ -22,7 +30,8 @@ std::optional<StrokePart> place_on_path(const PathSample& desired, const TipPath
 BlockMonitor::BlockMonitor(const Experiment& e)
     : surface_(e.belief.perception ? &*e.belief.perception : nullptr),
       feels_(surface_ && e.control.impedance.wrench == WrenchFeedback::measured),
-      touch_force_(e.control.impedance.contact.touch_force) {}
+      touch_force_(e.control.impedance.contact.touch_force),
+      side_(kSpread * across(e.control.impedance.friction)) {}
 
 void BlockMonitor::begin_path() noexcept {
   wall_.reset();

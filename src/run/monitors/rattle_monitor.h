@@ -27,7 +27,7 @@ class RattleMonitor {
   bool update(double force, ContactMode mode, double push, double distance, double dt) noexcept {
     if (mode == ContactMode::free) *this = RattleMonitor(stiffness_max_, feels_walls_);
     if (mode != ContactMode::contact || !(push > 0.0) || !std::isfinite(force)) return false;
-    const double share = force / push, gain = dt / (kFilter + dt);
+    const double share = force / std::max(push, kLeastPush), gain = dt / (kFilter + dt);
     if (share > kHeld && std::isfinite(distance)) {
       if (!touched_) lowest_ = highest_ = distance;
       touched_ = true;
@@ -58,7 +58,7 @@ class RattleMonitor {
     verdict.cause = fmt::format(
         "the pen hammered on the canvas at t = {:.3f} s, ± {:.2g} N at a push of {:.3g} N: tip or "
         "canvas may be stiffer than control.contact_stiffness_max, {:.3g} N/m",
-        cycle.run_time, deviation() * push, push, stiffness_max_);
+        cycle.run_time, deviation() * std::max(push, kLeastPush), push, stiffness_max_);
     return verdict;
   }
 
@@ -67,14 +67,15 @@ class RattleMonitor {
   // Unevenness that no surface reaches if the cameras resolve it [m].
   static constexpr double kUnseen = 0.5e-3;
 
-  // Standard deviation, as a share of the push.
+  // Standard deviation, as a share of the push, or of kLeastPush.
   double deviation() const { return std::sqrt(std::max(0.0, mean_square_ - mean_ * mean_)); }
 
  private:
   // The roughest surfaces that are drawn on reach 0.6; a blow at touchdown is over in 10 ms.
-  static constexpr double kTrip = 2.0;    // standard deviation as a share of the push
-  static constexpr double kFilter = 0.3;  // [s]
-  static constexpr double kHeld = 0.2;    // least force of a canvas that holds the tip, as a share
+  static constexpr double kTrip = 2.0;       // standard deviation as a share of the push
+  static constexpr double kLeastPush = 1.0;  // a touchdown's blow is no lighter under less [N]
+  static constexpr double kFilter = 0.3;     // [s]
+  static constexpr double kHeld = 0.2;  // least force of a canvas that holds the tip, as a share
 
   double stiffness_max_;
   bool feels_walls_;

@@ -16,6 +16,9 @@ class SideMonitor {
   static constexpr double kForce = 4.0;     // across the estimated normal, at least [N]
   static constexpr double kSteep = 2.1;     // times the force along it: 65°
   static constexpr double kConfirm = 0.05;  // [s]
+  // steep: the same, where the law expects more across: a cutter of a slim cone.
+  explicit SideMonitor(double steep = kSteep) noexcept : steep_(std::max(kSteep, steep)) {}
+
   // Against the estimated normal [N]; a caught ball meets ground and wire in turns [s].
   static constexpr double kPull = 2.0, kConfirmPull = 2e-3, kForgetPull = 16e-3;
 
@@ -25,7 +28,7 @@ class SideMonitor {
   // canvas on the tip [N]. True in the cycle in which the wall is certain.
   bool update(const Eigen::Vector3d& n, const Eigen::Vector3d& F, double dt) noexcept {
     const double along = n.dot(F), across = (F - along * n).norm();
-    const bool aside = across > kForce && across > kSteep * along;
+    const bool aside = across > kForce && across > steep_ * along;
     aside_ = aside ? aside_ + dt : std::max(0.0, aside_ - dt);
     pull_ = along < -kPull ? pull_ + dt : pull_ * (1.0 - dt / (kForgetPull + dt));
     caught_ = pull_ >= kConfirmPull;
@@ -37,6 +40,7 @@ class SideMonitor {
   bool caught() const noexcept { return caught_; }
 
  private:
+  double steep_;
   double aside_ = 0.0, pull_ = 0.0;  // [s]
   bool caught_ = false;
 };
