@@ -24,10 +24,11 @@ SurfaceHeight judged_surface(const Belief& belief, const Truth& truth, const Pos
 }
 
 // A wrap is judged by the cells that the plan laid flat: those about what is promised alone make
-// another map.
+// another map. Strokes that the plan cut have other numbers than the artwork's.
 std::vector<PlacedStroke> desired_strokes(const PlannedDrawing& e, const SurfaceHeight& judged) {
   const Plan& plan = e.plan;
-  if (!plan.wrap) return plan.preflight.findings.empty() ? e.artwork.desired() : plan.strokes;
+  if (!plan.wrap)
+    return plan.preflight.findings.empty() && !plan.laid ? e.artwork.desired() : plan.strokes;
   std::vector<PlacedStroke> desired = plan.strokes;
   if (!e.belief.perception) return desired;
   for (PlacedStroke& stroke : desired)

@@ -9,6 +9,7 @@
 #include "drawn_scenario.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/truth.h"
+#include "impedraw/log/run_rows.h"
 #include "impedraw/planning/stroke_ruler.h"
 #include "impedraw/run/tool_judge.h"
 
@@ -92,6 +93,41 @@ TEST(Blade, IsLiftedWhereTheArmCannotTurnOn) {
   EXPECT_GT(plane_length(circle.plan.strokes), 0.95 * plane_length(circle.artwork.strokes));
   // Parts of a stroke keep their place on it.
   EXPECT_LT(unnamed_length(circle), 1e-6);
+}
+
+// The parts of a stroke that is cut are judged by themselves, also where nothing is left out.
+TEST(Blade, IsJudgedAlongTheStrokesThatWereCut) {
+  DrawOptions options;
+  options.scenario = "scenarios/bowl-blade.yaml";
+  options.svg = "artwork/spiral.svg";
+  options.assignments = {"drawing.placement.width=100", "drawing.skip_unreachable=true"};
+  const Figures figures = draw_scenario(resolve(options));
+  EXPECT_GT(figures["coverage"], 0.99);
+  EXPECT_LT(figures["ink_error_max"], 0.2);
+}
+
+// The second part of a run knows where the first has found the surface, and counts what it cut.
+TEST(Engraver, GoesOnInItsGroove) {
+  const Scenario scenario = resolve_scenario("bowl-engrave-real", {"drawing.shape=circle"});
+  const std::filesystem::path log = std::filesystem::temp_directory_path() /
+                                    ("impedraw_engraver_" + std::to_string(getpid()) + ".h5");
+  double now = 0.0;
+  RunHooks hooks;
+  hooks.progress = [&](const RunProgress& p) { now = p.time; };
+  hooks.interrupted = [&] { return now > 30.0; };  // in the second pass
+  Prepared first = prepare(scenario);
+  ASSERT_EQ(run(first, log, 0.0, hooks).end, RunEnd::interrupted);
+
+  Prepared second = prepare(scenario);
+  const std::unique_ptr<ToolJudge> judge = tool_judge(second);
+  visit_rows(log, [&](const LogRow& row) { judge->add(row); });
+  const Resumption resumption = read_resumption(second, log).value();
+  EXPECT_GT(resumption.scores.size(), 1000u);
+  RunHooks judged;
+  judged.row = [&](const LogRow& row) { judge->add(row); };
+  run(second, log, 0.0, judged, &resumption);
+  std::filesystem::remove(log);
+  EXPECT_LT(judge->results()["metrics"]["depth_error_rms"].get<double>(), 0.03);
 }
 
 }  // namespace
