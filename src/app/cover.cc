@@ -196,7 +196,7 @@ void say_results(const Results& r, const Metrics& metrics) {
       1e-3 * r.metrics["pressure_mean"].get<double>(),
       1e-3 * r.metrics["pressure_sd"].get<double>(), percent("removal_cv"),
       percent("removal_cv_to_edge"));
-  say(stdout, "{}", metrics_summary(metrics));
+  say(stdout, "{}", metrics_summary(metrics, false));
   double lacking = 0.0;
   for (const MissedPatch& patch : r.arm_missed) lacking += patch.area;
   if (lacking > 0.0)

@@ -9,11 +9,13 @@
 #include <fmt/format.h>
 
 #include "impedraw/canvas/mesh_file.h"
+#include "impedraw/common/file_extension.h"
 #include "impedraw/common/in_parallel.h"
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/regions.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/plan_notes.h"
+#include "impedraw/experiment/tool_fit.h"
 #include "impedraw/planning/cover/even_lines.h"
 #include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/stroke_part.h"
@@ -56,6 +58,11 @@ std::vector<char> painted(const Scenario& s, const SurfaceGrid& g, const Pose& X
 // The vertices that lie in the region's areas.
 std::vector<char> region_of(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP) {
   if (is_mesh_file(s.cover.region)) return painted(s, g, X_WP);
+  if (lower_extension(s.cover.region) != ".svg")
+    throw InputError(
+        fmt::format("{}: no region; valid is an .svg with filled areas, or a mesh "
+                    "with a colour of six hexadecimal digits, as part.ply#c01020",
+                    s.cover.region.string()));
   const Artwork artwork = read_artwork(s.cover.region, {.visible = s.drawing.visible});
   if (artwork.areas.empty())
     throw InputError(fmt::format("{}: has no filled area to cover; valid is an SVG with one",
@@ -270,6 +277,7 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
                  "valid is true");
   const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);
   if (!pad) errors.raise({"tool.kind"}, "tool.kind: only a pad covers an area; valid is pad");
+  require_foam(s, errors);
   const Eigen::AlignedBox2d box = extent_of(s, belief, X_WP);
   const double step =
       std::max({1e-3, pad->radius / 10.0, std::sqrt(box.sizes().prod() / kMostVertices)});

@@ -16,9 +16,10 @@ namespace {
 constexpr double kMostSmear = 2e-4;  // of an edge's ends beside the line [m]
 constexpr double kLook = 5e-3;       // between places on the surface [m]
 
-// A pad on a surface that bends by more than its foam gives: it touches about its middle alone. A
-// paraboloid that falls by s to the rim presses a foam, which a plane would press in by δ, in by
-// δ + s/2 at the middle, or, where the rim does not touch (s > 2 δ), by √(2 δ s).
+// A pad on a surface that bends by more than its foam gives: it touches about its middle alone, or
+// with its rim alone. A paraboloid that falls by s to the rim presses a foam, which a plane would
+// press in by δ, in by δ + s/2 at the middle, or, where the rim does not touch (s > 2 δ), by
+// √(2 δ s). Where it rises by s, middle and rim change places.
 void require_rim(const Scenario& s, const Plan& plan, const SurfaceHeight& surface,
                  const SettingErrors& errors) {
   const std::optional<PadSettings> pad = face_of(s);
@@ -33,28 +34,47 @@ void require_rim(const Scenario& s, const Plan& plan, const SurfaceHeight& surfa
     const Eigen::Vector3d p = X_PW * looked, n = X_PW.R * sample.reference.n_WD,
                           x = n.unitOrthogonal();
     const auto middle = surface(p.x(), p.y(), last);
-    double least = std::numeric_limits<double>::infinity();
+    double falls = std::numeric_limits<double>::infinity(), rises = falls;
     for (int k = 0; middle && k < 8; ++k) {
       const Eigen::Vector3d q = p + pad->radius * turned_about(n, x, k * std::numbers::pi / 4.0);
       const auto there = surface(q.x(), q.y(), last);
-      if (there) least = std::min(least, n.dot(middle->p_P - there->p_P));
+      if (!there) continue;
+      falls = std::min(falls, n.dot(middle->p_P - there->p_P));
+      rises = std::min(rises, n.dot(there->p_P - middle->p_P));
     }
-    if (!std::isfinite(least) || least <= 2.0 * pad->rest) continue;
-    const double pressed = std::sqrt(2.0 * pad->rest * least);
+    const double bend = std::max(falls, rises);
+    if (!std::isfinite(bend) || bend <= 2.0 * pad->rest) continue;
+    const bool ball = falls > rises;
+    const double pressed = std::sqrt(2.0 * pad->rest * bend);
     const auto place =
         place_on(plan.strokes[static_cast<std::size_t>(sample.stroke)], sample.along);
     errors.raise(
         {"tool.radius", "control.normal_force", "tool.kind"},
-        fmt::format("tool.radius: a pad of {:.1f} mm touches about its middle alone, its "
-                    "rim stays {:.2f} mm off the surface where the middle presses the foam in by "
-                    "{:.2f} mm: stroke {}, at page ({:.1f}, {:.1f}) mm; valid is a smaller "
-                    "pad, softer foam or more force",
-                    2e3 * pad->radius, 1e3 * (least - pressed), 1e3 * pressed, sample.stroke,
-                    place.page.x(), place.page.y()));
+        fmt::format("tool.radius: a pad of {:.1f} mm touches {} alone, its {} stays {:.2f} mm off "
+                    "the surface where the {} presses the foam in by {:.2f} mm: stroke {}, at page "
+                    "({:.1f}, {:.1f}) mm; valid is a smaller pad, softer foam or more force",
+                    2e3 * pad->radius, ball ? "about its middle" : "with its rim",
+                    ball ? "rim" : "middle", 1e3 * (bend - pressed), ball ? "middle" : "rim",
+                    1e3 * pressed, sample.stroke, place.page.x(), place.page.y()));
   }
 }
 
 }  // namespace
+
+void require_foam(const Scenario& s, const SettingErrors& errors) {
+  constexpr double kMostPressed = 0.85;  // of the foam's thickness; more of it counts as a wall
+  const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);
+  const double share = pad ? pad->rest / (kMostPressed * pad->thickness) : 0.0;
+  if (share <= 1.0) return;
+  errors.raise(
+      {"tool.radius", "tool.foam_stiffness", "control.normal_force", "tool.kind"},
+      fmt::format("tool.radius: {:.3g} N press the foam of a pad of {:.1f} mm in by {:.1f} "
+                  "mm, and it is {:.0f} mm thick; valid is control.normal_force up to "
+                  "{:.2g} N, tool.foam_stiffness from {:.2g} N/m³, or a pad from {:.1f} mm",
+                  s.control.normal_force, 2e3 * pad->radius, 1e3 * pad->rest, 1e3 * pad->thickness,
+                  s.control.normal_force / share, pad->stiffness * share,
+                  2e3 * pad->radius * std::sqrt(share)));
+}
 
 void require_fit(const Scenario& s, const Plan& plan, const SurfaceHeight& surface,
                  const SettingErrors& errors) {
@@ -62,6 +82,7 @@ void require_fit(const Scenario& s, const Plan& plan, const SurfaceHeight& surfa
     errors.raise({"path.lean", "tool.kind"},
                  fmt::format("path.lean is {}°, but of tool.kind a pen alone leans; valid is 0",
                              s.path.lean_deg));
+  require_foam(s, errors);
   if (!is_led(s.tool)) return require_rim(s, plan, surface, errors);
   const PadSettings face = *face_of(s);
   const bool edge = face.face == PadFace::edge;

@@ -11,4 +11,7 @@ namespace impedraw {
 void require_fit(const Scenario& scenario, const Plan& plan, const SurfaceHeight& surface,
                  const SettingErrors& setting_errors);
 
+// Throws InputError where the force presses a pad's foam nearly flat.
+void require_foam(const Scenario& scenario, const SettingErrors& setting_errors);
+
 }  // namespace impedraw

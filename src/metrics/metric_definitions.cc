@@ -145,7 +145,7 @@ std::string metrics_table(const Metrics& metrics) {
   return text;
 }
 
-std::string metrics_summary(const Metrics& m) {
+std::string metrics_summary(const Metrics& m, bool draws_line) {
   // Whole only where nothing is missing.
   const auto percent = [](double share) { return std::floor(100.0 * share + 1e-9); };
   std::string text = fmt::format("  end         {}\n", told(m.ending));
@@ -160,9 +160,10 @@ std::string metrics_summary(const Metrics& m) {
     text += fmt::format("  {:<11} {}\n", name,
                         metric.value() ? value(*metric.value()) : "none: " + metric.reason());
   };
-  row("ink error", m.ink_error_rms, [&](double rms) {
-    return fmt::format("{:.2g} mm RMS, {:.2g} mm at most", rms, m.ink_error_max.or_nan());
-  });
+  if (draws_line)
+    row("ink error", m.ink_error_rms, [&](double rms) {
+      return fmt::format("{:.2g} mm RMS, {:.2g} mm at most", rms, m.ink_error_max.or_nan());
+    });
   row("force", m.force_mean, [&](double mean) {
     // About a constant force the error is no smaller than the standard deviation: where it is, the
     // force that was asked for varied.
@@ -172,8 +173,9 @@ std::string metrics_summary(const Metrics& m) {
                              error)
                : fmt::format("{:.3g} ± {:.2g} N", mean, sd);
   });
-  row("coverage", m.coverage,
-      [&](double share) { return fmt::format("{:.0f} % of the line", percent(share)); });
+  if (draws_line)
+    row("coverage", m.coverage,
+        [&](double share) { return fmt::format("{:.0f} % of the line", percent(share)); });
   row("time", m.draw_time,
       [](double seconds) { return fmt::format("{:.1f} s with the pen down", seconds); });
   return text;

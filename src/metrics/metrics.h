@@ -97,6 +97,6 @@ nlohmann::ordered_json metrics_json(const Metrics& metrics);  // content of metr
 std::string metrics_table(const Metrics& metrics);            // for the terminal
 // For the terminal: how the run ended, how much was drawn and what was not, and the numbers of the
 // drawing itself.
-std::string metrics_summary(const Metrics& metrics);
+std::string metrics_summary(const Metrics& metrics, bool draws_line = true);
 
 }  // namespace impedraw

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include <cairo.h>
+#include <fmt/format.h>
 
 #include "impedraw/report/sheet.h"
 
@@ -14,8 +15,8 @@ namespace {
 constexpr Colour kText{0.13, 0.15, 0.18}, kFaint{0.42, 0.45, 0.50}, kOutside{1.0, 1.0, 1.0};
 constexpr Colour kNotPromised{0.83, 0.84, 0.86}, kOnce{0.45, 0.72, 0.55}, kTwice{0.13, 0.45, 0.33},
     kMissed{0.85, 0.16, 0.16};
-constexpr double kFont = 5.0, kGap = 8.0, kTop = 24.0, kBelow = 18.0;  // [mm]
-constexpr int kWidth = 1600;                                           // [px]
+constexpr double kFont = 5.0, kGap = 8.0, kTop = 24.0, kBelow = 18.0, kMargin = 5.0;  // [mm]
+constexpr int kWidth = 1600;                                                          // [px]
 
 // Blue for too little, white for the mean, red for too much, to ± one half.
 Colour of_dose(double dose) {
@@ -53,6 +54,31 @@ void draw_map(cairo_t* cr, const CoverPicture& p, double left,
   cairo_restore(cr);
 }
 
+// The part about the places that are not outside.
+CoverPicture cropped(const CoverPicture& p) {
+  int low[] = {p.nx, p.ny}, high[] = {-1, -1};
+  const int margin = static_cast<int>(std::ceil(kMargin / (1e3 * p.step)));
+  for (std::size_t v = 0; v < p.treated.size(); ++v) {
+    if (p.treated[v] == Treated::outside) continue;
+    const int at[] = {static_cast<int>(v) % p.nx, static_cast<int>(v) / p.nx},
+              size[] = {p.nx, p.ny};
+    for (int i = 0; i < 2; ++i) {
+      low[i] = std::min(low[i], std::max(0, at[i] - margin));
+      high[i] = std::max(high[i], std::min(size[i] - 1, at[i] + margin));
+    }
+  }
+  if (high[0] < 0) return p;
+  CoverPicture part{p.title, p.subtitle, high[0] - low[0] + 1, high[1] - low[1] + 1, p.step};
+  for (int j = low[1]; j <= high[1]; ++j)
+    for (int i = low[0]; i <= high[0]; ++i) {
+      const auto v = static_cast<std::size_t>(j) * static_cast<std::size_t>(p.nx) +
+                     static_cast<std::size_t>(i);
+      part.treated.push_back(p.treated[v]);
+      part.dose.push_back(p.dose[v]);
+    }
+  return part;
+}
+
 double entry(cairo_t* cr, double x, double y, const Colour& colour, const std::string& text) {
   set_colour(cr, colour);
   cairo_rectangle(cr, x, y - 0.75 * kFont, kFont, kFont);
@@ -64,7 +90,8 @@ double entry(cairo_t* cr, double x, double y, const Colour& colour, const std::s
 
 }  // namespace
 
-void write_cover(const CoverPicture& p, const std::filesystem::path& stem) {
+void write_cover(const CoverPicture& whole, const std::filesystem::path& stem) {
+  const CoverPicture p = cropped(whole);
   const double width = 1e3 * p.step * p.ny, height = 1e3 * p.step * p.nx;
   const double least = 150.0, panel = std::max(width, least);
   const Eigen::Vector2d size(2.0 * panel + 3.0 * kGap, height + kTop + kBelow);
@@ -81,7 +108,8 @@ void write_cover(const CoverPicture& p, const std::filesystem::path& stem) {
     double x = entry(cr, kGap, below, kOnce, "once");
     x = entry(cr, x, below, kTwice, "twice or more");
     x = entry(cr, x, below, kMissed, "missed");
-    entry(cr, x, below, kNotPromised, "not promised");
+    entry(cr, x, below, kNotPromised,
+          fmt::format("not promised; {:.0f} mm wide, {:.0f} high", width, height));
     x = entry(cr, right, below, of_dose(0.5), "half");
     x = entry(cr, x, below, of_dose(1.0), "mean of pressure × way");
     entry(cr, x, below, of_dose(1.5), "one and a half");

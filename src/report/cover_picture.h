@@ -1,6 +1,6 @@
 // Picture of an area that was covered, seen along the drawing axis: up is +x, right is −y of the
 // drawing frame. Left: what was treated, how often, and what was missed. Right: the dose of each
-// place, pressure times way, over the mean.
+// place, pressure times way, over the mean. What is outside is cut off.
 #pragma once
 
 #include <filesystem>

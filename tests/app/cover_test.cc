@@ -76,6 +76,7 @@ TEST_F(Cover, TreatsAWindowOfTheDome) {
   const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
   EXPECT_GT(metrics["treated_share"], 0.995);
   EXPECT_GT(metrics["promised_share"], 0.9);
+  EXPECT_EQ(said().find("coverage"), std::string::npos) << said();  // a pad leaves no line
   EXPECT_NEAR(metrics["force_mean"], 5.0, 0.1);
   EXPECT_LT(metrics["force_sd"], 0.3);
   EXPECT_LT(metrics["removal_map_error"], 0.05);
@@ -151,6 +152,13 @@ TEST_F(Cover, AnEngraverHoldsItsDepth) {
     EXPECT_NEAR(metrics["depth_mean"], 0.3, 0.01) << hardness;
     EXPECT_GT(metrics["coverage"], 0.99);
   }
+  // A slim cone meets twice as much force across as along its axis: that is no wall.
+  ASSERT_EQ(run("scenarios/bowl-engrave.yaml --set tool.half_angle=30 --overwrite", "draw"), 0);
+  const auto slim = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_LT(slim["depth_error_rms"], 0.02);
+  EXPECT_LT(slim["ink_error_rms"], 0.03);
+  EXPECT_EQ(run("scenarios/bowl-engrave.yaml --set tool.half_angle=10 --overwrite", "draw"), 2);
+  EXPECT_NE(said().find("tool.half_angle: a cone of 10°"), std::string::npos) << said();
   EXPECT_EQ(run("scenarios/bowl-sine-blind.yaml --set tool.kind=engraver --overwrite", "draw"), 2);
   EXPECT_NE(said().find("tool.kind: an engraver holds its depth"), std::string::npos) << said();
 }
@@ -192,6 +200,8 @@ TEST_F(Cover, NamesBadInput) {
   refuses(window("1") + " --set drawing.placement.centre=[1.5,0]", "lies off the canvas");
   refuses(window("0.3"), "fits nowhere in cover.region");
   refuses("--set tool.foam_stiffness=1e8", "touches with a part of its face only");
+  refuses("--set tool.radius=0.0075", "press the foam of a pad of 15.0 mm in by 14.1 mm");
+  refuses("--region part.ply#c0102", "a colour of six hexadecimal digits");
   refuses("--region " + painted(0.5), "lies off the canvas");
 }
 
@@ -202,6 +212,9 @@ TEST_F(Cover, NamesAPadThatDoesNotFitALine) {
                 "draw"),
             2);
   EXPECT_NE(said().find("touches about its middle alone"), std::string::npos) << said();
+  // In the bowl it hangs on its rim.
+  EXPECT_EQ(run("scenarios/bowl-sine.yaml --set tool.kind=pad --set tool.radius=0.05", "plan"), 2);
+  EXPECT_NE(said().find("touches with its rim alone"), std::string::npos) << said();
   // The dome falls by 0.34 mm to the rim: it touches where 5 N press a foam in by half of that.
   const double area = std::numbers::pi * 0.015 * 0.015;
   for (const double of_half : {1.3, 0.8}) {
