@@ -378,7 +378,7 @@ std::string force_page(const ForceResults& results) {
                         kForceControllerTitles[i], i < 2 ? ", " : ".</p>\n");
   html += "<div class=\"wide\"><table><thead><tr><th class=\"case\">case</th><th></th>";
   for (int m = 0; m < kForceMetrics; ++m)
-    html += fmt::format("<th>{} [{}]</th>", kForceMetricNames[m], unit(m));
+    html += fmt::format("<th>{}<br>[{}]</th>", kForceMetricNames[m], unit(m));
   html += "</tr></thead>\n";
   for (const JudgedCase& c : results.cases) html += rows(c);
   html += "</table></div>\n<h2>Where this program's controller is behind</h2>\n";

@@ -106,7 +106,7 @@ void draw(const Sheet& sheet, const Layout& l, cairo_t* cr) {
     const Eigen::Vector2d at = l.legend[k];
     set_colour(cr, sheet.legend[k].colour);
     cairo_set_line_cap(cr, CAIRO_LINE_CAP_BUTT);
-    cairo_set_line_width(cr, sheet.legend[k].width);
+    cairo_set_line_width(cr, std::min(sheet.legend[k].width, 0.9 * l.font));
     const double y = at.y() - 0.33 * l.font;
     stroke_line(cr, {{at.x(), y}, {at.x() + 2.2 * l.font, y}});
     set_colour(cr, kText);
