@@ -59,10 +59,8 @@ std::vector<char> painted(const Scenario& s, const SurfaceGrid& g, const Pose& X
 std::vector<char> region_of(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP) {
   if (is_mesh_file(s.cover.region)) return painted(s, g, X_WP);
   if (lower_extension(s.cover.region) != ".svg")
-    throw InputError(
-        fmt::format("{}: no region; valid is an .svg with filled areas, or a mesh "
-                    "with a colour of six hexadecimal digits, as part.ply#c01020",
-                    s.cover.region.string()));
+    throw InputError(s.cover.region.string() + ": valid is an .svg with filled areas, or a mesh " +
+                     "with a colour of six hexadecimal digits, as part.ply#c01020");
   const Artwork artwork = read_artwork(s.cover.region, {.visible = s.drawing.visible});
   if (artwork.areas.empty())
     throw InputError(fmt::format("{}: has no filled area to cover; valid is an SVG with one",

@@ -156,14 +156,14 @@ std::string metrics_summary(const Metrics& m, bool draws_line) {
                         length_text(asked), percent(*m.drawn.value()),
                         rest.empty() ? "" : "; the rest: ", rest);
   }
-  const auto row = [&text](const char* name, const Metric& metric, const auto& value) {
+  const auto row = [&](const char* name, const Metric& metric, const auto& value) {
+    if (!draws_line && (&metric == &m.ink_error_rms || &metric == &m.coverage)) return;
     text += fmt::format("  {:<11} {}\n", name,
                         metric.value() ? value(*metric.value()) : "none: " + metric.reason());
   };
-  if (draws_line)
-    row("ink error", m.ink_error_rms, [&](double rms) {
-      return fmt::format("{:.2g} mm RMS, {:.2g} mm at most", rms, m.ink_error_max.or_nan());
-    });
+  row("ink error", m.ink_error_rms, [&](double rms) {
+    return fmt::format("{:.2g} mm RMS, {:.2g} mm at most", rms, m.ink_error_max.or_nan());
+  });
   row("force", m.force_mean, [&](double mean) {
     // About a constant force the error is no smaller than the standard deviation: where it is, the
     // force that was asked for varied.
@@ -173,9 +173,8 @@ std::string metrics_summary(const Metrics& m, bool draws_line) {
                              error)
                : fmt::format("{:.3g} ± {:.2g} N", mean, sd);
   });
-  if (draws_line)
-    row("coverage", m.coverage,
-        [&](double share) { return fmt::format("{:.0f} % of the line", percent(share)); });
+  row("coverage", m.coverage,
+      [&](double share) { return fmt::format("{:.0f} % of the line", percent(share)); });
   row("time", m.draw_time,
       [](double seconds) { return fmt::format("{:.1f} s with the pen down", seconds); });
   return text;

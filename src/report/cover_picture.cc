@@ -41,42 +41,28 @@ Colour of_class(Treated treated) {
   }
 }
 
+// The places that are not outside, and some about them.
+Eigen::AlignedBox2i shown(const CoverPicture& p) {
+  const auto margin = static_cast<int>(std::ceil(kMargin / (1e3 * p.step)));
+  Eigen::AlignedBox2i box, whole(Eigen::Vector2i(0, 0), Eigen::Vector2i(p.nx - 1, p.ny - 1));
+  for (int v = 0; v < p.nx * p.ny; ++v)
+    if (p.treated[static_cast<std::size_t>(v)] != Treated::outside)
+      box.extend(Eigen::Vector2i(v % p.nx, v / p.nx));
+  if (box.isEmpty()) return whole;
+  return whole.intersection({box.min().array() - margin, box.max().array() + margin});
+}
+
 // Up is +x, left +y.
-void draw_map(cairo_t* cr, const CoverPicture& p, double left,
+void draw_map(cairo_t* cr, const CoverPicture& p, const Eigen::AlignedBox2i& box, double left,
               const std::function<Colour(std::size_t)>& colour) {
   cairo_save(cr);
   cairo_translate(cr, left, kTop);
   cairo_scale(cr, 1e3 * p.step, 1e3 * p.step);
-  paint_raster(cr, p.nx, p.ny, CAIRO_FILTER_NEAREST, [&](int row, int column) {
-    return colour(static_cast<std::size_t>(p.ny - 1 - column) * static_cast<std::size_t>(p.nx) +
-                  static_cast<std::size_t>(p.nx - 1 - row));
+  const Eigen::Vector2i size = box.sizes();
+  paint_raster(cr, size.x() + 1, size.y() + 1, CAIRO_FILTER_NEAREST, [&](int row, int column) {
+    return colour(static_cast<std::size_t>((box.max().y() - column) * p.nx + box.max().x() - row));
   });
   cairo_restore(cr);
-}
-
-// The part about the places that are not outside.
-CoverPicture cropped(const CoverPicture& p) {
-  int low[] = {p.nx, p.ny}, high[] = {-1, -1};
-  const int margin = static_cast<int>(std::ceil(kMargin / (1e3 * p.step)));
-  for (std::size_t v = 0; v < p.treated.size(); ++v) {
-    if (p.treated[v] == Treated::outside) continue;
-    const int at[] = {static_cast<int>(v) % p.nx, static_cast<int>(v) / p.nx},
-              size[] = {p.nx, p.ny};
-    for (int i = 0; i < 2; ++i) {
-      low[i] = std::min(low[i], std::max(0, at[i] - margin));
-      high[i] = std::max(high[i], std::min(size[i] - 1, at[i] + margin));
-    }
-  }
-  if (high[0] < 0) return p;
-  CoverPicture part{p.title, p.subtitle, high[0] - low[0] + 1, high[1] - low[1] + 1, p.step};
-  for (int j = low[1]; j <= high[1]; ++j)
-    for (int i = low[0]; i <= high[0]; ++i) {
-      const auto v = static_cast<std::size_t>(j) * static_cast<std::size_t>(p.nx) +
-                     static_cast<std::size_t>(i);
-      part.treated.push_back(p.treated[v]);
-      part.dose.push_back(p.dose[v]);
-    }
-  return part;
 }
 
 double entry(cairo_t* cr, double x, double y, const Colour& colour, const std::string& text) {
@@ -90,9 +76,10 @@ double entry(cairo_t* cr, double x, double y, const Colour& colour, const std::s
 
 }  // namespace
 
-void write_cover(const CoverPicture& whole, const std::filesystem::path& stem) {
-  const CoverPicture p = cropped(whole);
-  const double width = 1e3 * p.step * p.ny, height = 1e3 * p.step * p.nx;
+void write_cover(const CoverPicture& p, const std::filesystem::path& stem) {
+  const Eigen::AlignedBox2i box = shown(p);
+  const double width = 1e3 * p.step * (box.sizes().y() + 1),
+               height = 1e3 * p.step * (box.sizes().x() + 1);
   const double least = 150.0, panel = std::max(width, least);
   const Eigen::Vector2d size(2.0 * panel + 3.0 * kGap, height + kTop + kBelow);
   write_svg_and_png(stem, size, kWidth, [&](cairo_t* cr) {
@@ -101,15 +88,16 @@ void write_cover(const CoverPicture& whole, const std::filesystem::path& stem) {
     set_colour(cr, kText);
     write_words(cr, kGap, 1.6 * kFont, p.title, 1.2 * kFont, true);
     set_colour(cr, kFaint);
-    write_words(cr, kGap, 3.0 * kFont, p.subtitle, 0.85 * kFont);
+    write_words(cr, kGap, 3.0 * kFont,
+                fmt::format("{}; {:.0f} × {:.0f} mm are shown", p.subtitle, width, height),
+                0.85 * kFont);
     const double right = 2.0 * kGap + panel, below = kTop + height + 1.6 * kFont;
-    draw_map(cr, p, kGap, [&](std::size_t v) { return of_class(p.treated[v]); });
-    draw_map(cr, p, right, [&](std::size_t v) { return of_dose(p.dose[v]); });
+    draw_map(cr, p, box, kGap, [&](std::size_t v) { return of_class(p.treated[v]); });
+    draw_map(cr, p, box, right, [&](std::size_t v) { return of_dose(p.dose[v]); });
     double x = entry(cr, kGap, below, kOnce, "once");
     x = entry(cr, x, below, kTwice, "twice or more");
     x = entry(cr, x, below, kMissed, "missed");
-    entry(cr, x, below, kNotPromised,
-          fmt::format("not promised; {:.0f} mm wide, {:.0f} high", width, height));
+    entry(cr, x, below, kNotPromised, "not promised");
     x = entry(cr, right, below, of_dose(0.5), "half");
     x = entry(cr, x, below, of_dose(1.0), "mean of pressure × way");
     entry(cr, x, below, of_dose(1.5), "one and a half");

@@ -10,14 +10,25 @@
 namespace impedraw {
 
 StandingDrawing::StandingDrawing(const Experiment& e, TipPath first, BlockedPlaces blocked)
-    : e_(e),
-      first_(std::move(first)),
-      end_(first_.at(first_.duration()).reference),
-      blocked_(std::move(blocked)) {}
+    : e_(e), first_(std::move(first)), blocked_(std::move(blocked)) {}
+
+StandingDrawing::StandingDrawing(const Experiment& e, std::vector<StrokePart> left)
+    : e_(e), rises_(true), left_(std::move(left)) {}
 
 Move StandingDrawing::next(const Situation& now) {
-  if (!std::exchange(begun_, true)) return draw(std::move(first_));
   const Pose X_KE = now.X_KE();
+  if (std::exchange(rises_, false)) {
+    Move rise;
+    rise.kind = Move::Kind::lift;
+    return rise;
+  }
+  if (!std::exchange(begun_, true)) {
+    if (!left_.empty())
+      first_ = checked_path(e_, &left_, X_KE.p, -X_KE.R.col(2), e_.plan.path_settings.start_hold,
+                            now.pen.q, &blocked_);
+    end_ = first_.at(first_.duration()).reference;
+    return draw(std::move(first_));
+  }
   if (now.last.blocked && !blocked_.full()) {
     blocked_.add(*now.last.blocked);
     std::vector<StrokePart> parts = remaining(e_, now.ink, blocked_.parts());

@@ -19,6 +19,9 @@ class StandingDrawing : public DrawingTask {
  public:
   // `first`: the path of the first pass, which keeps off what is blocked.
   StandingDrawing(const Experiment& experiment, TipPath first, BlockedPlaces blocked = {});
+  // The pen presses on the canvas, where an earlier run was killed: it goes up before the sensor is
+  // tared, and draws what is `left`.
+  StandingDrawing(const Experiment& experiment, std::vector<StrokePart> left);
 
   Move next(const Situation& situation) override;
   DrawingRecord record() const override;
@@ -29,8 +32,8 @@ class StandingDrawing : public DrawingTask {
   const Experiment& e_;
   TipPath first_;
   TipReference end_;  // end of the first path
-  bool begun_ = false, again_ = false;
-  std::vector<StrokePart> drawn_again_;
+  bool rises_ = false, begun_ = false, again_ = false;
+  std::vector<StrokePart> left_, drawn_again_;
   BlockedPlaces blocked_;
 };
 

@@ -27,7 +27,13 @@ void GrooveJudge::add(const LogRow& row) {
   std::vector<double>& line = depth_[static_cast<std::size_t>(row.stroke % lines_)];
   const auto bin = static_cast<std::size_t>(std::max(0.0, row.stroke_along) / kBin);
   const Eigen::Vector3d to_surface = row.contact_point_W() - row.tip_position;
-  if (bin < line.size()) line[bin] = std::max(line[bin], row.contact_normal_W().dot(to_surface));
+  if (bin >= line.size()) return;
+  // A log of a reduced rate has no row in some of the places that the cutter passes.
+  const bool on = row.stroke == last_stroke_ && bin > last_bin_ && bin <= last_bin_ + 5;
+  for (std::size_t b = on ? last_bin_ + 1 : bin; b <= bin; ++b)
+    line[b] = std::max(line[b], row.contact_normal_W().dot(to_surface));
+  last_stroke_ = row.stroke;
+  last_bin_ = bin;
 }
 
 nlohmann::ordered_json GrooveJudge::results() const {

@@ -24,6 +24,8 @@ class GrooveJudge : public ToolJudge {
   int lines_;                               // of one pass
   double asked_;                            // [m]
   std::vector<std::vector<double>> depth_;  // of each line, at each of its places [m]
+  int last_stroke_ = -1;
+  std::size_t last_bin_ = 0;
 };
 
 }  // namespace impedraw

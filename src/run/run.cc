@@ -39,6 +39,8 @@ std::unique_ptr<DrawingTask> drawing_of(const Experiment& e, const Driver& drive
   if (e.belief.by_touch())
     return std::make_unique<TouchedDrawing>(e, resumption ? strokes_of(e, left) : e.plan.strokes);
   if (!resumption) return std::make_unique<StandingDrawing>(e, e.plan.path);
+  if (resumption->touches && has_sensor(e.control.source) && !left.empty())
+    return std::make_unique<StandingDrawing>(e, std::move(left));
   const Pose X_WE = ArmModel(e.belief.arm).tip_pose(resumption->q);
   BlockedPlaces blocked;
   TipPath path = checked_path(e, &left, X_WE.p, -X_WE.R.col(2), e.plan.path_settings.start_hold,
@@ -159,6 +161,7 @@ std::optional<Resumption> read_resumption(const Experiment& e,
   };
   if (e.control.cut) visit_rows(log_file, score);
   resumption.q = before.joint_position;
+  resumption.touches = static_cast<ContactMode>(before.rows.back().mode) != ContactMode::free;
   resumption.X_WK = before.canvas_pose;
   resumption.time = before.rows.back().time + e.control.impedance.timing.dt;
   return resumption;

@@ -114,6 +114,7 @@ struct RunOutcome : Ending, DrawingRecord, LoopRecord {
 struct Resumption {
   InkWatch ink;                     // from the log's rows
   JointVector q;                    // last posture [rad]
+  bool touches = false;             // the pen was on the canvas then
   Pose X_WK;                        // canvas, as last estimated
   double time = 0.0;                // first free time in the log [s]
   std::optional<HeldPen> pen = {};  // absent: not known; that of the last ink

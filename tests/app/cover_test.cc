@@ -187,6 +187,22 @@ TEST_F(Cover, GoesOnAfterAnInterrupt) {
   EXPECT_EQ(again["force_mean"], metrics["force_mean"]);
 }
 
+// Killed while the pad presses: the sensor is tared off the surface, not on it.
+TEST_F(Cover, GoesOnAfterItWasKilled) {
+  const std::string cover = std::string(IMPEDRAW) + " cover --out " + folder_.string() + "/run > " +
+                            folder_.string() + "/out 2>&1";
+  const std::string kill = "while ! test -s " + folder_.string() +
+                           "/run/run.h5; do sleep 0.05; done; sleep 0.5; kill -KILL $p";
+  ASSERT_EQ(
+      WEXITSTATUS(std::system(("{ exec " + cover + "; } & p=$!; " + kill + "; wait $p").c_str())),
+      137)
+      << said();
+  ASSERT_EQ(run("--resume"), 0) << said();
+  const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_GT(metrics["treated_share"], 0.995);
+  EXPECT_LT(metrics["removal_cv"], 0.06);
+}
+
 TEST_F(Cover, NamesBadInput) {
   const auto refuses = [&](const std::string& arguments, const std::string& words) {
     EXPECT_EQ(run(arguments), 2);

@@ -120,7 +120,10 @@ TEST(Engraver, GoesOnInItsGroove) {
 
   Prepared second = prepare(scenario);
   const std::unique_ptr<ToolJudge> judge = tool_judge(second);
-  visit_rows(log, [&](const LogRow& row) { judge->add(row); });
+  int rows = 0;
+  visit_rows(log, [&](const LogRow& row) {
+    if (++rows % 15 == 0) judge->add(row);  // as a reduced log has them
+  });
   const Resumption resumption = read_resumption(second, log).value();
   EXPECT_GT(resumption.scores.size(), 1000u);
   RunHooks judged;

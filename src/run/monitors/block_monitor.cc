@@ -8,12 +8,8 @@
 namespace impedraw {
 namespace {
 constexpr double kAside = 1.0e-3;  // [m]
-constexpr double kSpread = 1.3;    // of the force across, over what the law explains
-
-// The force across the normal that the law expects of the contact, over the one along it.
-double across(const FrictionSettings& s) {
-  return std::hypot(s.coefficient, std::tan(s.normal_error_deg * std::numbers::pi / 180.0));
-}
+// Of the force across the normal, over what the law expects.
+constexpr double kSpread = 1.3;
 }  // namespace
 
 std::optional<StrokePart> place_on_path(const PathSample& desired, const TipPath& path,
@@ -31,7 +27,9 @@ BlockMonitor::BlockMonitor(const Experiment& e)
     : surface_(e.belief.perception ? &*e.belief.perception : nullptr),
       feels_(surface_ && e.control.impedance.wrench == WrenchFeedback::measured),
       touch_force_(e.control.impedance.contact.touch_force),
-      side_(kSpread * across(e.control.impedance.friction)) {}
+      side_(kSpread * std::hypot(e.control.impedance.friction.coefficient,
+                                 std::tan(e.control.impedance.friction.normal_error_deg *
+                                          std::numbers::pi / 180.0))) {}
 
 void BlockMonitor::begin_path() noexcept {
   wall_.reset();
