@@ -48,6 +48,7 @@ TEST_F(JudgeForce, LeavesEveryMetricOfEveryRun) {
   EXPECT_LT(ours["worst"]["steady_error"].get<double>(), 0.1);
   EXPECT_LT(ours["worst"]["sd"].get<double>(), 0.1);
   const std::string page = content_of(folder_ / "out/force.html");
+  EXPECT_NE(page.find("<th>steady_error<br>[N]</th>"), std::string::npos);  // fits 1200 pixels
   EXPECT_THAT(page, AllOf(HasSubstr("<h1>Force benchmark, simulated</h1>"), HasSubstr("<svg"),
                           HasSubstr("written here"), HasSubstr("is behind")));
 }
