@@ -100,29 +100,54 @@ struct ViewPoints {
   int outside = 0, of_arm = 0, without_ray = 0;
 };
 
+// What hangs together with pixels of the arm is of the arm as far as two paddings off: a stereo
+// camera's halo, and an arm that stands beside where the camera's calibration puts it.
 ViewPoints points_of(const CapturedView& view, const Eigen::AlignedBox3d& region,
                      const std::vector<Capsule>& arm, double padding) {
+  enum Pixel : char { none, seen, near_arm, of_arm };
+  const int width = view.lens.width, height = view.lens.height;
   ViewPoints found;
-  for (int j = 0; j < view.lens.height; ++j) {
-    for (int i = 0; i < view.lens.width; ++i) {
-      const double depth = view.depth.at(i, j);
-      if (!std::isfinite(depth)) continue;
-      const auto direction = view.lens.direction_C(i, j);
-      if (!direction) {
-        ++found.without_ray;
-        continue;
-      }
-      const Eigen::Vector3d p = view.X_WC * Eigen::Vector3d(depth * *direction);
-      const auto hides = [&](const Capsule& c) { return inside(c, padding, p); };
-      if (!region.contains(p)) {
-        ++found.outside;
-      } else if (std::any_of(arm.begin(), arm.end(), hides)) {
-        ++found.of_arm;
-      } else {
-        found.points.push_back(p);
-        found.pixel.push_back(static_cast<std::size_t>(j) * view.lens.width + i);
-      }
+  std::vector<Pixel> pixels(static_cast<std::size_t>(width) * height, none);
+  std::vector<Eigen::Vector3d> places(pixels.size());
+  std::vector<std::size_t> arms;  // pixels whose neighbours are yet to be looked at
+  for (std::size_t k = 0; k < pixels.size(); ++k) {
+    const int i = static_cast<int>(k) % width, j = static_cast<int>(k) / width;
+    const double depth = view.depth.at(i, j);
+    if (!std::isfinite(depth)) continue;
+    const auto direction = view.lens.direction_C(i, j);
+    if (!direction) {
+      ++found.without_ray;
+      continue;
     }
+    places[k] = view.X_WC * Eigen::Vector3d(depth * *direction);
+    const auto within = [&](double distance) {
+      return std::any_of(arm.begin(), arm.end(),
+                         [&](const Capsule& c) { return inside(c, distance, places[k]); });
+    };
+    if (!region.contains(places[k])) {
+      ++found.outside;
+    } else if (within(padding)) {
+      pixels[k] = of_arm;
+      arms.push_back(k);
+    } else {
+      pixels[k] = within(2.0 * padding) ? near_arm : seen;
+    }
+  }
+  for (std::size_t at = 0; at < arms.size(); ++at) {
+    const int i = static_cast<int>(arms[at]) % width, j = static_cast<int>(arms[at]) / width;
+    for (const auto& [x, y] : {std::pair{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}}) {
+      if (x < 0 || y < 0 || x >= width || y >= height) continue;
+      const std::size_t k = static_cast<std::size_t>(y) * width + x;
+      if (pixels[k] != near_arm || (places[k] - places[arms[at]]).norm() > padding) continue;
+      pixels[k] = of_arm;
+      arms.push_back(k);
+    }
+  }
+  found.of_arm = static_cast<int>(arms.size());
+  for (std::size_t k = 0; k < pixels.size(); ++k) {
+    if (pixels[k] != seen && pixels[k] != near_arm) continue;
+    found.points.push_back(places[k]);
+    found.pixel.push_back(k);
   }
   return found;
 }

@@ -41,7 +41,7 @@ struct PageLinkMesh {
 struct PageContext {
   std::vector<DrawnLink> arm{};  // empty: the pen alone is drawn
   std::vector<PageLinkMesh> meshes{};
-  std::string meshes_notice{};  // their copyright and licence
+  std::string meshes_notice{};               // their copyright and licence
   std::shared_ptr<const PageMesh> canvas{};  // canvas_mesh() of the log's; null: made here
   std::vector<PageCamera> cameras{};
   std::vector<PageSetting> settings{};

@@ -113,6 +113,18 @@ TEST_F(CaptureFolder, LeavesOutTheArm) {
   for (const Eigen::Vector3d& p : seen.cloud.points) ASSERT_LT(std::abs(p.z()), 0.02);
 }
 
+// The camera sees it 16 mm beside where the joints say that it is: more than the padding.
+TEST_F(CaptureFolder, LeavesOutAnArmThatStandsBeside) {
+  write_grey_png(folder_ / "d.png", ball_on_table(above(0.8), false));
+  write_capture(folder_, view_json("d.png", above(0.8), R"(, "joints": [0.0])"));
+  const Eigen::Vector3d beside = kCentre + Eigen::Vector3d(0.016, 0.0, 0.0);
+  const CaptureCloud seen = cloud_of(read_capture(folder_, no_tip), {}, [&](const auto&) {
+    return std::vector<Capsule>{{beside, beside, kRadius}};
+  });
+  EXPECT_GT(seen.cloud.points.size(), 0.6 * kWidth * kHeight);  // the table
+  for (const Eigen::Vector3d& p : seen.cloud.points) ASSERT_LT(std::abs(p.z()), 0.02);
+}
+
 TEST_F(CaptureFolder, RefusesWhatIsDamagedInOneLine) {
   const fs::path& folder = folder_;
   EXPECT_THAT(error_of(folder / "none"), HasSubstr("is no folder"));

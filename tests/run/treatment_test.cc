@@ -20,6 +20,7 @@ TreatmentMap after_a_line(double height, double tilt_deg = 0.0, double sinks = 0
   g.ny = 61;
   g.z.assign(static_cast<std::size_t>(g.nx * g.ny), height);
   g.known.assign(g.z.size(), 1);
+  g.area.assign(g.z.size(), g.step * g.step);
   PadSettings pad;
   pad.rest = kForce / (pad.stiffness * pad.area());
   TreatmentMap map(g, pad, kForce, kSpeed);
