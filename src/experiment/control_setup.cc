@@ -97,8 +97,7 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
     const CutForces cut = cut_forces(*cutter, s.tool.depth, 0.0, s.path.draw_speed);
     settings.tip.stiffness = cut.normal / s.tool.depth;
     settings.contact.deepest += s.tool.depth;
-    settings.friction.coefficient =
-        std::min(kFrictionRange.highest, kCutSpread * cut.drag / cut.normal);
+    settings.friction.coefficient = kCutSpread * cut.drag / cut.normal;
     settings.friction.normal_error_deg =
         std::min(kNormalErrorRange.highest,
                  std::atan(kCutSpread * cut.side / cut.normal) * 180.0 / std::numbers::pi);

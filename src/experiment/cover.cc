@@ -14,10 +14,10 @@
 #include "impedraw/drawing/artwork_file.h"
 #include "impedraw/drawing/regions.h"
 #include "impedraw/experiment/height_sources.h"
+#include "impedraw/experiment/place_wish.h"
 #include "impedraw/experiment/plan_notes.h"
 #include "impedraw/experiment/tool_fit.h"
 #include "impedraw/planning/cover/even_lines.h"
-#include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/stroke_part.h"
 
 namespace impedraw {
@@ -207,8 +207,7 @@ void keep_reached(const Scenario& s, const Belief& belief, const Pose& X_WP, con
   const PreflightSettings settings = preflight_settings(s, X_WP, true, belief.start_q);
   const int side = std::max(1, static_cast<int>(std::lround(kReachStep / g.step)));
   in_parallel((g.ny + side - 1) / side, [&](int row) {
-    PostureCheck check(belief.arm, belief.obstacle.get(), belief.start_q, settings);
-    JointVector last = belief.start_q;
+    const auto out_of_reach = unreachable(belief, X_WP, settings);
     for (int i0 = 0; i0 < g.nx; i0 += side) {
       const auto in_square = [&](auto&& visit) {
         for (int j = row * side; j < std::min(g.ny, (row + 1) * side); ++j)
@@ -223,10 +222,7 @@ void keep_reached(const Scenario& s, const Belief& belief, const Pose& X_WP, con
       });
       if (!at) continue;
       const Eigen::Vector3d n = centres->feet.at(g, g.plane(*at)).normal();
-      const Posture posture = check.enter({X_WP * g.point(*at), -(X_WP.R * n)}, last);
-      if (posture.reached && !posture.problem)
-        last = posture.q;
-      else
+      if (out_of_reach({g.point(*at), n}) == 1.0)
         in_square([&](std::size_t v) { centres->allowed[v] = 0; });
     }
   });

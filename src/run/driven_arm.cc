@@ -82,9 +82,10 @@ DrivenArm::DrivenArm(const Experiment& e, Driver& driver, const std::filesystem:
   out_.tau = JointVector::Zero(e.belief.arm.joints());
   out_.terms.setZero(e.belief.arm.joints(), kTorqueTerms);
   record_.not_real_time = real_time_.lacks();
-  if (resumption) ink_ = resumption->ink;
-  if (resumption)
+  if (resumption) {
+    ink_ = resumption->ink;
     for (const Resumption::Score& at : resumption->scores) loop_.scored(at.p_WE, at.n_W, at.f_n);
+  }
   if (!log_file.empty() && resumption)
     log_.emplace(RunLog::append_to(log_file, make_header(e)));
   else if (!log_file.empty())

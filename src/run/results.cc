@@ -73,21 +73,21 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
                            const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
     return placement.to_page((X_PW * p_W).head<2>());
   };
-  PictureSettings picture;
-  picture.relief = std::move(backdrop.relief);
-  picture.pen = scenario.pen;
-  picture.pens = read_pens(run.attributes);
-  // Wide enough to be seen beside the ink, and no wider than ink that swells or other pens draw.
-  double thinnest = scenario.pen.thinnest();
-  if (picture.pens)
-    for (const DrawnPen& pen : picture.pens->pens)
-      thinnest = std::min(thinnest, pen.line.thinnest());
-  picture.target_width = 2.6 * thinnest;
-  picture.R_WP = artwork.X_WP.R;
-  picture.left_out = left_out_in(folder / "strokes.json");
   // On the second core while metrics and page are made, and one after the other, as Cairo numbers
   // what it draws. Does not read the log: HDF5 is not for two threads.
   std::future<void> pictures = std::async(std::launch::async, [&] {
+    PictureSettings picture;
+    picture.relief = backdrop.relief;
+    picture.pen = scenario.pen;
+    picture.pens = read_pens(run.attributes);
+    // Wide enough to be seen beside the ink, and no wider than ink that swells or other pens draw.
+    double thinnest = scenario.pen.thinnest();
+    if (picture.pens)
+      for (const DrawnPen& pen : picture.pens->pens)
+        thinnest = std::min(thinnest, pen.line.thinnest());
+    picture.target_width = 2.6 * thinnest;
+    picture.R_WP = artwork.X_WP.R;
+    picture.left_out = left_out_in(folder / "strokes.json");
     write_ink_top(run, drawn, folder / "ink_top", picture);
     write_ink_page(run, drawn, to_page, artwork.shape.target().page, folder / "ink_page", picture);
   });
