@@ -249,6 +249,7 @@ struct RunLog::Writer {
     const std::size_t begin = stream.tail.load(), end = begin + stream.chunk;
     file->resize(stream.table, end);
     write_rows(stream, begin, end);
+    file->begin_writeback();
     {
       const std::scoped_lock lock(mutex);
       stream.tail = end;

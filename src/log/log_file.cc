@@ -7,6 +7,7 @@
 #include <cstring>
 #include <numeric>
 
+#include <fcntl.h>
 #include <sys/random.h>
 #include <zlib.h>
 
@@ -305,6 +306,12 @@ void LogFile::write_fixed(const char* name, hid_t type, const void* data, std::s
                 static_cast<const std::byte*>(data) + begin * row_bytes,
                 std::min(chunk_rows, n - begin));
   describe(dataset, unit, frame, description);
+}
+
+void LogFile::begin_writeback() {
+  void* fd = nullptr;
+  if (H5Fget_vfd_handle(file_, H5P_DEFAULT, &fd) >= 0)
+    sync_file_range(*static_cast<int*>(fd), 0, 0, SYNC_FILE_RANGE_WRITE);
 }
 
 void LogFile::close(const std::optional<WallTimes>& wall, const std::string& ending) {

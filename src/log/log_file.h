@@ -43,6 +43,8 @@ class LogFile {
   // Writes rows [chunk · chunk_rows, + rows) of column `c`. A partial chunk may be written again.
   void write_chunk(LogTable table, std::size_t c, std::size_t chunk, const std::byte* data,
                    std::size_t rows);
+  // Lets the disk begin to write what the file holds so far, and waits for nothing.
+  void begin_writeback();
   // Adds the times to those of the earlier runs. Without times: of a run that was killed.
   void close(const std::optional<WallTimes>& wall, const std::string& ending = {});
   // Releases the file after an error without touching it again. (HDF5's own close would write

@@ -197,6 +197,12 @@ Eigen::Vector3d seen_along_axis(const Eigen::Matrix3d& R_PW, const Eigen::Vector
   return {-1e3 * p.y(), -1e3 * p.x(), 1e3 * p.z()};
 }
 
+Picture picture_of(Sheet sheet) {
+  const auto drawn = std::make_shared<const Sheet>(std::move(sheet));
+  return {[drawn](const std::filesystem::path& stem) { write_svg(*drawn, stem); },
+          [drawn](const std::filesystem::path& stem) { write_png(*drawn, stem); }};
+}
+
 }  // namespace
 
 std::shared_ptr<const Relief> ink_relief(const std::vector<Eigen::Vector3d>& vertices,
@@ -208,17 +214,16 @@ std::shared_ptr<const Relief> ink_relief(const std::vector<Eigen::Vector3d>& ver
       }));
 }
 
-void write_ink_top(const RunData& run, const InkMatch& drawn, const std::filesystem::path& stem,
-                   const PictureSettings& settings) {
+Picture ink_top(const RunData& run, const InkMatch& drawn, const PictureSettings& settings) {
   const Eigen::Matrix3d R_PW = settings.R_WP.transpose();
   const auto view = [&R_PW](const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
     return seen_along_axis(R_PW, p_W).head<2>();
   };
   const InkDrawing ink = prepare(run, drawn, view, settings);
-  const std::shared_ptr<const Relief> made =
+  const std::shared_ptr<const Relief> below =
       settings.relief ? settings.relief
                       : ink_relief(run.canvas_vertices, run.canvas_triangles, settings.R_WP);
-  const Relief& relief = *made;
+  const Relief& relief = *below;
   Sheet sheet = common_sheet(run, drawn, ink, settings);
   sheet.area =
       with_margin(relief.columns > 0 ? relief.area.merged(extent(ink)) : extent(ink), 0.03);
@@ -230,17 +235,16 @@ void write_ink_top(const RunData& run, const InkMatch& drawn, const std::filesys
   if (!relief.contours.empty())
     sheet.legend.push_back(
         {kContour, 0.3, fmt::format("height, every {:g} mm", relief.contour_step)});
-  sheet.content = [&](cairo_t* cr) {
-    draw_relief(cr, relief);
+  sheet.content = [below, ink, settings](cairo_t* cr) {
+    draw_relief(cr, *below);
     draw_ink(cr, ink, settings);
   };
-  write_sheet(sheet, stem, settings.png_width);
+  return picture_of(std::move(sheet));
 }
 
-void write_ink_page(const RunData& run, const InkMatch& drawn,
-                    const std::function<Eigen::Vector2d(const Eigen::Vector3d&)>& to_page,
-                    const Eigen::AlignedBox2d& page, const std::filesystem::path& stem,
-                    const PictureSettings& settings) {
+Picture ink_page(const RunData& run, const InkMatch& drawn,
+                 const std::function<Eigen::Vector2d(const Eigen::Vector3d&)>& to_page,
+                 const Eigen::AlignedBox2d& page, const PictureSettings& settings) {
   const InkDrawing ink = prepare(run, drawn, to_page, settings);
   Sheet sheet = common_sheet(run, drawn, ink, settings);
   const bool no_page = page.isEmpty() || page.sizes().minCoeff() <= 0.0;
@@ -248,8 +252,8 @@ void write_ink_page(const RunData& run, const InkMatch& drawn,
       no_page ? with_margin(extent(ink), 0.05) : with_margin(page.merged(extent(ink)), 0.03);
   sheet.u_name = "X on the page [mm]";
   sheet.v_name = "Y on the page [mm]";
-  sheet.content = [&](cairo_t* cr) { draw_ink(cr, ink, settings); };
-  write_sheet(sheet, stem, settings.png_width);
+  sheet.content = [ink, settings](cairo_t* cr) { draw_ink(cr, ink, settings); };
+  return picture_of(std::move(sheet));
 }
 
 }  // namespace impedraw

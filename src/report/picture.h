@@ -1,4 +1,4 @@
-// Pictures of the drawing, each as SVG in true millimetres and as PNG with the same look.
+// Pictures of the drawing, to be written as SVG in true millimetres and as PNG of the same look.
 //
 //   ink_top   seen along the drawing axis: up is +x, right is −y of the drawing frame. The canvas
 //             lies beneath, with shading, height contours and outline.
@@ -41,24 +41,29 @@ struct PictureSettings {
   PenSettings pen{};
   std::optional<DrawnPens> pens{};  // of layers, in place of `pen`
   Eigen::Matrix3d R_WP = Eigen::Matrix3d::
-      Identity();  // drawing frame: write_ink_top looks along −z_P; up is +x_P, right is −y_P
+      Identity();  // drawing frame: ink_top looks along −z_P; up is +x_P, right is −y_P
   // The lines that were not to be drawn, on the canvas [m, W].
   std::vector<std::vector<Eigen::Vector3d>> left_out{};
   double target_width = 2.6;  // [mm]
   double highlight = 0.5;     // [mm]
-  int png_width = 1600;       // [px]
 };
 
-// Writes `stem`.svg and `stem`.png. Throws std::runtime_error naming the file if it cannot be
-// written.
-void write_ink_top(const RunData& run, const InkMatch& drawn, const std::filesystem::path& stem,
-                   const PictureSettings& settings = {});
+// Writes `stem`.svg and `stem`.png. Holds copies of all that it draws. Throws std::runtime_error
+// naming the file if it cannot be written.
+struct Picture {
+  std::function<void(const std::filesystem::path&stem)> write_svg, write_png;
+  void write(const std::filesystem::path& stem) const {
+    write_svg(stem);
+    write_png(stem);
+  }
+};
 
-// Writes the same files. `to_page` maps a point on the canvas [m, W] to the page [mm]. `page` is
-// the area shown; if empty, the extent of the drawing.
-void write_ink_page(const RunData& run, const InkMatch& drawn,
-                    const std::function<Eigen::Vector2d(const Eigen::Vector3d&)>& to_page,
-                    const Eigen::AlignedBox2d& page, const std::filesystem::path& stem,
-                    const PictureSettings& settings = {});
+Picture ink_top(const RunData& run, const InkMatch& drawn, const PictureSettings& settings = {});
+
+// `to_page` maps a point on the canvas [m, W] to the page [mm]. `page` is the area shown; if empty,
+// the extent of the drawing.
+Picture ink_page(const RunData& run, const InkMatch& drawn,
+                 const std::function<Eigen::Vector2d(const Eigen::Vector3d&)>& to_page,
+                 const Eigen::AlignedBox2d& page, const PictureSettings& settings = {});
 
 }  // namespace impedraw

@@ -110,7 +110,7 @@ void write_plan(const PlanPicture& plan, const std::filesystem::path& stem) {
       cairo_stroke(cr);
     }
   };
-  write_sheet(sheet, stem, plan.png_width);
+  write_sheet(sheet, stem);
 }
 
 void write_preview(const PreviewPicture& preview, const std::filesystem::path& stem) {
@@ -147,7 +147,8 @@ void write_preview(const PreviewPicture& preview, const std::filesystem::path& s
       show_text(cr, p.x() + 4.0 * fine, p.y() - 4.0 * fine, std::to_string(i + 1));
     }
   };
-  write_sheet(sheet, stem, preview.png_width);
+  sheet.png_width = 1400;
+  write_sheet(sheet, stem);
 }
 
 }  // namespace impedraw

@@ -32,7 +32,6 @@ struct PreviewPicture {
   std::vector<PreviewPen> pens;    // at least one
   std::vector<PreviewLine> lines;  // in the order in which they are drawn
   std::vector<PreviewLine> whole;  // with what is hidden; may be empty
-  int png_width = 1600;            // [px]
 };
 
 // Ways of the pen in the air are dashed; up to 60 lines are numbered. Throws std::runtime_error
@@ -51,7 +50,6 @@ struct PlanPicture {
   std::vector<PreviewPen> pens;                  // empty: one, in a colour of the picture's own
   std::vector<Eigen::Vector3d> canvas_vertices;  // P [m]; may be empty
   std::vector<Eigen::Vector3i> canvas_triangles;
-  int png_width = 1400;
 };
 
 // Writes `stem`.svg and `stem`.png. Throws std::runtime_error naming the file if it cannot be

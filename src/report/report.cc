@@ -278,13 +278,15 @@ std::filesystem::path page_in(const std::filesystem::path& run) {
 
 }  // namespace
 
-std::filesystem::path shown_picture(const std::filesystem::path& stem) {
+bool shows_png(const std::filesystem::path& stem) {
   constexpr std::uintmax_t kLargeSvg = 1'500'000;  // [bytes]
-  const std::filesystem::path svg = stem.string() + ".svg", png = stem.string() + ".png";
   std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(svg, error);
-  if (!error && size <= kLargeSvg) return svg;
-  return std::filesystem::exists(png) ? png : svg;
+  return !(std::filesystem::file_size(stem.string() + ".svg", error) <= kLargeSvg);
+}
+
+std::filesystem::path shown_picture(const std::filesystem::path& stem) {
+  const std::filesystem::path svg = stem.string() + ".svg", png = stem.string() + ".png";
+  return shows_png(stem) && std::filesystem::exists(png) ? png : svg;
 }
 
 void write_report(const std::filesystem::path& folder, const RunData& run, const InkMatch& drawn,

@@ -35,7 +35,8 @@ struct ReportSettings {
 void write_report(const std::filesystem::path& folder, const RunData& run, const InkMatch& drawn,
                   const Metrics& metrics, const ReportSettings& settings = {});
 
-// The picture stem.svg, or stem.png where the SVG is large or missing, to be shown on a page.
+// Pages show stem.svg, or stem.png where the SVG is large or missing.
+bool shows_png(const std::filesystem::path& stem);
 std::filesystem::path shown_picture(const std::filesystem::path& stem);
 
 struct ComparedRun {

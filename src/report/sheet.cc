@@ -156,6 +156,50 @@ std::string png_of(cairo_surface_t* image) {
   return out;
 }
 
+void svg_file(std::filesystem::path path, const Eigen::Vector2d& size,
+              const std::function<void(cairo_t*)>& draw) {
+  path += ".svg";
+  std::string content;
+  cairo_surface_t* svg =
+      cairo_svg_surface_create_for_stream(append_to_string, &content, size.x(), size.y());
+  cairo_svg_surface_set_document_unit(svg, CAIRO_SVG_UNIT_MM);
+  cairo_t* cr = cairo_create(svg);
+  draw(cr);
+  cairo_destroy(cr);
+  cairo_surface_finish(svg);
+  const cairo_status_t status = cairo_surface_status(svg);
+  cairo_surface_destroy(svg);
+  require(status, path);
+  write_whole(path, content);
+}
+
+void png_file(std::filesystem::path path, const Eigen::Vector2d& size, int width,
+              const std::function<void(cairo_t*)>& draw) {
+  path += ".png";
+  const double scale = width / size.x();
+  cairo_surface_t* png = cairo_image_surface_create(
+      CAIRO_FORMAT_RGB24, width, static_cast<int>(std::lround(scale * size.y())));
+  cairo_t* cr = cairo_create(png);
+  cairo_scale(cr, scale, scale);
+  draw(cr);
+  cairo_destroy(cr);
+  const cairo_status_t status = cairo_surface_status(png);
+  std::string content;
+  if (status == CAIRO_STATUS_SUCCESS) content = png_of(png);
+  cairo_surface_destroy(png);
+  require(status, path);
+  write_whole(path, content);
+}
+
+Layout layout_of(const Sheet& sheet) {
+  cairo_surface_t* measure = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, 1, 1);
+  cairo_t* cr = cairo_create(measure);
+  const Layout layout = lay_out(sheet, cr);
+  cairo_destroy(cr);
+  cairo_surface_destroy(measure);
+  return layout;
+}
+
 }  // namespace
 
 void set_font(cairo_t* cr, double size, bool bold) {
@@ -264,46 +308,23 @@ std::vector<double> ticks(double low, double high, double range) {
 
 void write_svg_and_png(const std::filesystem::path& stem, const Eigen::Vector2d& size,
                        int png_width, const std::function<void(cairo_t*)>& draw) {
-  std::filesystem::path path = stem;
-  path += ".svg";
-  std::string content;
-  cairo_surface_t* svg =
-      cairo_svg_surface_create_for_stream(append_to_string, &content, size.x(), size.y());
-  cairo_svg_surface_set_document_unit(svg, CAIRO_SVG_UNIT_MM);
-  cairo_t* cr = cairo_create(svg);
-  draw(cr);
-  cairo_destroy(cr);
-  cairo_surface_finish(svg);
-  const cairo_status_t svg_status = cairo_surface_status(svg);
-  cairo_surface_destroy(svg);
-  require(svg_status, path);
-  write_whole(path, content);
-
-  path = stem;
-  path += ".png";
-  const double scale = png_width / size.x();
-  cairo_surface_t* png = cairo_image_surface_create(
-      CAIRO_FORMAT_RGB24, png_width, static_cast<int>(std::lround(scale * size.y())));
-  cr = cairo_create(png);
-  cairo_scale(cr, scale, scale);
-  draw(cr);
-  cairo_destroy(cr);
-  const cairo_status_t png_status = cairo_surface_status(png);
-  if (png_status == CAIRO_STATUS_SUCCESS) content = png_of(png);
-  cairo_surface_destroy(png);
-  require(png_status, path);
-  write_whole(path, content);
+  svg_file(stem, size, draw);
+  png_file(stem, size, png_width, draw);
 }
 
-void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_width) {
-  cairo_surface_t* measure = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, 1, 1);
-  cairo_t* cr = cairo_create(measure);
-  const Layout layout = lay_out(sheet, cr);
-  cairo_destroy(cr);
-  cairo_surface_destroy(measure);
+void write_svg(const Sheet& sheet, const std::filesystem::path& stem) {
+  const Layout l = layout_of(sheet);
+  svg_file(stem, {l.width, l.height}, [&](cairo_t* on) { draw(sheet, l, on); });
+}
 
-  write_svg_and_png(stem, {layout.width, layout.height}, png_width,
-                    [&](cairo_t* on) { draw(sheet, layout, on); });
+void write_png(const Sheet& sheet, const std::filesystem::path& stem) {
+  const Layout l = layout_of(sheet);
+  png_file(stem, {l.width, l.height}, sheet.png_width, [&](cairo_t* on) { draw(sheet, l, on); });
+}
+
+void write_sheet(const Sheet& sheet, const std::filesystem::path& stem) {
+  write_svg(sheet, stem);
+  write_png(sheet, stem);
 }
 
 Line2d decimated(const Line2d& line, double tolerance) {

@@ -62,11 +62,14 @@ struct Sheet {
   double u_sign = 1.0, v_sign = 1.0;  // a tick at view coordinate c is labelled sign · c
   std::vector<LegendEntry> legend;
   std::function<void(cairo_t*)> content;  // draws in view coordinates, clipped to the frame
+  int png_width = 1600;                   // [px]
 };
 
-// Writes `stem`.svg (one unit per millimetre) and `stem`.png (png_width wide). Throws
+// Writes `stem`.svg (one unit per millimetre) or `stem`.png (png_width wide), or both. Throws
 // std::runtime_error naming the file if it cannot be written.
-void write_sheet(const Sheet& sheet, const std::filesystem::path& stem, int png_width);
+void write_svg(const Sheet& sheet, const std::filesystem::path& stem);
+void write_png(const Sheet& sheet, const std::filesystem::path& stem);
+void write_sheet(const Sheet& sheet, const std::filesystem::path& stem);
 
 // Writes a picture of `size` [mm] as SVG and PNG. `draw` draws it in millimetres and is called once
 // for each format. Throws as write_sheet().

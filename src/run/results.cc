@@ -1,6 +1,7 @@
 #include "impedraw/run/results.h"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <future>
 
@@ -73,9 +74,10 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
                            const Eigen::Vector3d& p_W) -> Eigen::Vector2d {
     return placement.to_page((X_PW * p_W).head<2>());
   };
+  const std::filesystem::path top = folder / "ink_top", page = folder / "ink_page";
   // On the second core while metrics and page are made, and one after the other, as Cairo numbers
   // what it draws. Does not read the log: HDF5 is not for two threads.
-  std::future<void> pictures = std::async(std::launch::async, [&] {
+  const std::shared_future<std::array<Picture, 2>> drawings = std::async(std::launch::async, [&] {
     PictureSettings picture;
     picture.relief = backdrop.relief;
     picture.pen = scenario.pen;
@@ -88,21 +90,33 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
     picture.target_width = 2.6 * thinnest;
     picture.R_WP = artwork.X_WP.R;
     picture.left_out = left_out_in(folder / "strokes.json");
-    write_ink_top(run, drawn, folder / "ink_top", picture);
-    write_ink_page(run, drawn, to_page, artwork.shape.target().page, folder / "ink_page", picture);
+    std::array both{ink_top(run, drawn, picture),
+                    ink_page(run, drawn, to_page, artwork.shape.target().page, picture)};
+    both[0].write_svg(top);
+    both[1].write_svg(page);
+    return both;
+  });
+  std::future<void> pictures = std::async(std::launch::async, [&] {
+    drawings.get()[0].write_png(top);
+    drawings.get()[1].write_png(page);
   });
   Metrics metrics = compute_metrics(run, drawn, canvas);
   if (std::filesystem::exists(folder / kIncidentFile)) metrics.ending.incident = kIncidentFile;
-  write_metrics(folder, metrics);
+  // The disk is waited for while the page is made.
+  std::future<void> written =
+      std::async(std::launch::async, [&] { write_metrics(folder, metrics); });
   step();
   ReportSettings report;
   report.page = std::move(backdrop.page);
   report.page.check = check;
   report.pictures_written = [&] {
-    pictures.get();
+    written.get();
+    drawings.get();
+    if (shows_png(top) || shows_png(page)) pictures.wait();
     step();
   };
   write_report(folder, run, drawn, metrics, report);
+  pictures.get();
   return metrics;
 }
 

@@ -30,11 +30,11 @@ int main(int argc, char** argv) {
   const auto metrics = compute_metrics(run, drawn);
   std::ofstream(folder / "metrics.json") << metrics_json(metrics).dump(2) << "\n";
   std::ofstream(folder / "scenario.yaml") << "seed: 1\nshape: sine\ncanvas: bowl\n";
-  write_ink_top(run, drawn, folder / "ink_top");
+  ink_top(run, drawn).write(folder / "ink_top");
   const auto to_page = [](const Eigen::Vector3d& p) {
     return Eigen::Vector2d(-1e3 * p.y(), -1e3 * (p.x() - 0.6));
   };
-  write_ink_page(run, drawn, to_page, {}, folder / "ink_page");
+  ink_page(run, drawn, to_page, {}).write(folder / "ink_page");
   write_report(folder, run, drawn, metrics,
                {.limits = {{"ink_error_rms", {.most = 0.04}},
                            {"force_mean", {.least = 4.95, .most = 5.05}}}});

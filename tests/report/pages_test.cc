@@ -86,7 +86,7 @@ std::vector<double> unpacked(const Page& page, const nlohmann::json& how) {
 TEST_F(PagesTest, ReportStandsAloneAndHoldsEveryMetric) {
   const RunData run = made_up({}, folder_);
   const InkMatch drawn = match_ink(run);
-  write_ink_top(run, drawn, folder_ / "ink_top");
+  ink_top(run, drawn).write(folder_ / "ink_top");
   std::ofstream(folder_ / "scenario.yaml") << "speed: 50 # <mm/s> & more\n";
   write_report(folder_, run, drawn, compute_metrics(run, drawn),
                {.title = "A <title>", .limits = {{"ink_error_rms", {.most = 0.001}}}});
@@ -161,7 +161,7 @@ TEST_F(PagesTest, ARunWithoutAnythingStillGetsItsPage) {
   RunData run = read_run(folder_ / "run.h5");
   run.stroke[0] = -1;
   const InkMatch drawn = match_ink(run);
-  write_ink_top(run, drawn, folder_ / "ink_top");
+  ink_top(run, drawn).write(folder_ / "ink_top");
   write_report(folder_, run, drawn, compute_metrics(run, drawn));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "report.html"));
 }

@@ -158,7 +158,7 @@ int count(const std::filesystem::path& png, int red, int green, int blue) {
 TEST_F(PicturesTest, WhatWasLeftOutIsSeen) {
   const RunData run = made_up({.time_step = 5e-3}, folder_);
   const auto dashes = [&](const PictureSettings& settings) {
-    write_ink_top(run, match_ink(run), folder_ / "ink_top", settings);
+    ink_top(run, match_ink(run), settings).write(folder_ / "ink_top");
     return count(folder_ / "ink_top.png", 0, 133, 107);
   };
   EXPECT_EQ(dashes({}), 0);
@@ -170,7 +170,7 @@ TEST_F(PicturesTest, WhatWasLeftOutIsSeen) {
 TEST_F(PicturesTest, InkFarOffAndInkInTheAirHaveTheirOwnColours) {
   RunData run = made_up({.time_step = 5e-3}, folder_);
   const auto colours = [&] {
-    write_ink_top(run, match_ink(run), folder_ / "ink_top");
+    ink_top(run, match_ink(run)).write(folder_ / "ink_top");
     const auto png = folder_ / "ink_top.png";
     return std::array{count(png, 250, 184, 97), count(png, 23, 61, 133), count(png, 214, 26, 31),
                       count(png, 158, 33, 168)};
@@ -203,9 +203,10 @@ TEST_F(PicturesTest, InkIsAsWideAsThePenIsPressed) {
   const auto pixels = [&](double f, const PenSettings& pen) {
     for (std::size_t i = begin; i < run.rows(); ++i) run.f[i] = run.stroke[i] >= 0 ? f : 0.0;
     for (std::size_t i = 0; i < begin; ++i) run.f[i] = 0.0;
-    write_ink_page(run, match_ink(run),
-                   [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return 1e3 * p.head<2>(); },
-                   {}, folder_ / "ink_page", {.title = " ", .pen = pen});
+    ink_page(run, match_ink(run),
+             [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return 1e3 * p.head<2>(); }, {},
+             {.title = " ", .pen = pen})
+        .write(folder_ / "ink_page");
     return count(folder_ / "ink_page.png", 23, 61, 133);
   };
   const PenSettings pressed{.width = 1.5, .width_per_newton = 0.5, .nominal_force = 5.0};
@@ -219,9 +220,10 @@ TEST_F(PicturesTest, InkIsAsWideAsThePenIsPressed) {
   // Half the line pressed harder: both widths are in the SVG.
   for (std::size_t i = 0; i < run.rows(); ++i)
     run.f[i] = run.stroke[i] < 0 ? 0.0 : i % 2000 < 1000 ? 5.0 : 7.0;
-  write_ink_page(run, match_ink(run),
-                 [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return 1e3 * p.head<2>(); }, {},
-                 folder_ / "ink_page", {.pen = pressed});
+  ink_page(run, match_ink(run),
+           [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return 1e3 * p.head<2>(); }, {},
+           {.pen = pressed})
+      .write(folder_ / "ink_page");
   const std::string svg = text_of(folder_ / "ink_page.svg");
   EXPECT_NE(place_of_width(svg, "1\\.5"), std::string::npos);
   EXPECT_NE(place_of_width(svg, "2\\.4[0-9]*"), std::string::npos);  // 2.5 mm in steps of 0.075 mm
@@ -232,7 +234,7 @@ TEST_F(PicturesTest, SvgIsInTrueMillimetres) {
   const auto to_page = [](const Eigen::Vector3d& p) {
     return Eigen::Vector2d(-1e3 * p.y(), 1e3 * (0.6 - p.x()));
   };
-  write_ink_page(run, match_ink(run), to_page, {}, folder_ / "ink_page");
+  ink_page(run, match_ink(run), to_page, {}).write(folder_ / "ink_page");
   const std::string svg = text_of(folder_ / "ink_page.svg");
   std::smatch size;
   const std::regex head(
@@ -258,7 +260,7 @@ TEST_F(PicturesTest, SvgIsInTrueMillimetres) {
 TEST_F(PicturesTest, AFolderThatIsNotThereIsNamed) {
   const RunData run = made_up({.time_step = 0.02}, folder_);
   try {
-    write_ink_top(run, match_ink(run), folder_ / "none" / "ink_top");
+    ink_top(run, match_ink(run)).write(folder_ / "none" / "ink_top");
     FAIL();
   } catch (const std::runtime_error& e) {
     EXPECT_THAT(e.what(), ::testing::HasSubstr("none/ink_top.svg"));

@@ -26,7 +26,7 @@ TEST(Legend, EntriesStayWithinTheirLine) {
   Sheet sheet{.title = "legend", .area = {Eigen::Vector2d(0, 0), Eigen::Vector2d(20, 20)}};
   sheet.legend = {{{1.0, 0.0, 0.0}, 50.0, "target"}};
   sheet.content = [](cairo_t*) {};
-  write_sheet(sheet, stem, 100);
+  write_sheet(sheet, stem);
   std::stringstream svg;
   svg << std::ifstream(stem.string() + ".svg").rdbuf();
   EXPECT_EQ(svg.str().find("stroke-width=\"50\""), std::string::npos);
