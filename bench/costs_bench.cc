@@ -249,7 +249,7 @@ IMPEDRAW_COST(BM_sort)->Repetitions(9);
 IMPEDRAW_COST(BM_mesh);
 IMPEDRAW_COST(BM_metrics);
 IMPEDRAW_COST(BM_order)->Arg(5000)->Arg(20000);
-IMPEDRAW_COST(BM_soup)->Arg(50000)->Arg(200000);
+IMPEDRAW_COST(BM_soup)->Arg(50000)->Arg(200000)->Repetitions(8);
 IMPEDRAW_COST(BM_svg);
 IMPEDRAW_COST(BM_wrap);
 IMPEDRAW_COST(BM_plan)->Arg(1500)->Arg(6000);

@@ -17,21 +17,31 @@ namespace {
 // For each vertex, the first one at the same position.
 std::vector<int> merge_vertices(const std::vector<Eigen::Vector3d>& vertices) {
   constexpr std::size_t kAhead = 16;  // a large mesh's slots are not in the cache
-  std::vector<int> first(vertices.size()), slots(std::bit_ceil(2 * vertices.size()), -1);
-  const auto slot_of = [&](std::size_t v) {
+  struct Slot {
+    int first = -1;
+    std::uint32_t mark = 0;  // of its hash: another position's vertex is hardly ever looked at
+  };
+  std::vector<int> first(vertices.size());
+  std::vector<Slot> slots(std::bit_ceil(2 * vertices.size()));
+  const auto hash_of = [&](std::size_t v) {
     std::uint64_t hash = 0;
     for (const double x : vertices[v]) {
       hash = (hash ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9E3779B97F4A7C15u;  // −0 is 0
       hash ^= hash >> 32;
     }
-    return hash & (slots.size() - 1);
+    return hash;
   };
+  const auto slot_of = [&](std::uint64_t hash) { return hash & (slots.size() - 1); };
   for (std::size_t v = 0; v < vertices.size(); ++v) {
-    if (v + kAhead < vertices.size()) __builtin_prefetch(&slots[slot_of(v + kAhead)]);
-    std::size_t i = slot_of(v);
-    while (slots[i] >= 0 && vertices[slots[i]] != vertices[v]) i = (i + 1) & (slots.size() - 1);
-    if (slots[i] < 0) slots[i] = static_cast<int>(v);
-    first[v] = slots[i];
+    if (v + kAhead < vertices.size()) __builtin_prefetch(&slots[slot_of(hash_of(v + kAhead))]);
+    const std::uint64_t hash = hash_of(v);
+    const auto mark = static_cast<std::uint32_t>(hash >> 32);
+    std::size_t i = slot_of(hash);
+    while (slots[i].first >= 0 &&
+           (slots[i].mark != mark || vertices[slots[i].first] != vertices[v]))
+      i = (i + 1) & (slots.size() - 1);
+    if (slots[i].first < 0) slots[i] = {static_cast<int>(v), mark};
+    first[v] = slots[i].first;
   }
   return first;
 }
