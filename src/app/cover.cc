@@ -92,11 +92,10 @@ class Judge {
   Eigen::Vector3d seen_ = Eigen::Vector3d::Constant(1e9), own_ = seen_;  // E in P, before
 };
 
-std::vector<char> promised_places(const Experiment& e, const CoverPlan& plan,
-                                  const SurfaceGrid& on) {
+std::vector<char> promised_places(const Experiment& e, const CoverPlan& plan) {
   PlaneLines lines;
   for (const PlacedStroke& stroke : e.plan.strokes) lines.push_back(stroke.p_P);
-  return swept(on, lines, plan.wish.footprint.radius - kAstray);
+  return surely_pressed(plan.grid, lines, plan.centres.feet);
 }
 
 struct Results {
@@ -111,7 +110,7 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
                    const Judge& judge) {
   const SurfaceGrid& g = truth.grid;
   const double r = plan.wish.footprint.radius;
-  const std::vector<char> promised = promised_places(e, plan, g);
+  const std::vector<char> promised = promised_places(e, plan);
   const std::vector<char> inner = inside_by(g, promised, r);
   std::vector<char> reachable_places = truth.reachable;
   for (std::size_t v = 0; v < g.size(); ++v) reachable_places[v] |= promised[v];

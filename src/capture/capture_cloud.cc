@@ -232,8 +232,8 @@ void refuse_enclosed(const Capture& capture, const PointCloud& cloud) {
         const double x = 0.5 + 0.5 * d[(axis + k) % 3] / most;
         return std::clamp(static_cast<int>(x * kSides), 0, kSides - 1);
       };
-      seen[static_cast<std::size_t>(
-          ((2 * axis + (d[axis] > 0 ? 1 : 0)) * kSides + cell(1)) * kSides + cell(2))] = 1;
+      const int at = ((2 * axis + (d[axis] > 0 ? 1 : 0)) * kSides + cell(1)) * kSides + cell(2);
+      seen[static_cast<std::size_t>(at)] = 1;
     }
     if (std::count(seen.begin(), seen.end(), 1) > kEnclosed * kCells)
       throw InputError(fmt::format(

@@ -155,9 +155,9 @@ class Aligning {
           matches.push_back({a, b, J, r, p.deviation * p.deviation + q.deviation * q.deviation});
         }
         // A few are chance, or along an edge that two views share.
-        const double least =
-            std::max(1.0 * settings_.least_matches,
-                     settings_.least_matched * static_cast<double>(samples.size() / stride));
+        const std::size_t looked = samples.size() / stride;
+        const double least = std::max(1.0 * settings_.least_matches,
+                                      settings_.least_matched * static_cast<double>(looked));
         if (static_cast<double>(matches.size() - first) < least) matches.resize(first);
       }
     }

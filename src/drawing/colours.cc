@@ -107,7 +107,7 @@ void Colours::add(Layer layer) {
 std::size_t Colours::cell_of(const Vector2d& p) const {
   const Vector2d share = (p - page_.min()).cwiseQuotient(page_.sizes().cwiseMax(1e-9));
   const Eigen::Vector2i at = (kCells * share.cwiseMax(0.0).cwiseMin(0.999)).cast<int>();
-  return static_cast<std::size_t>(at.y() * kCells + at.x());
+  return static_cast<std::size_t>(at.y()) * kCells + static_cast<std::size_t>(at.x());
 }
 
 double Colours::coverage(Layer& layer, const Vector2d& p) const {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "impedraw/control/contact_stability.h"
 #include "impedraw/control/damping.h"
 #include "impedraw/control/describe_control.h"
@@ -48,6 +50,10 @@ constexpr double kHeadingStiffness = 30.0;
 // The stiffest pad that the force loop must bear, over the modelled one.
 constexpr double kPadSpread = 2.0;
 
+// |n·z| below which a face keeps to the plan's own height. It sinks into the surface by tenths of a
+// millimetre more or less than planned, and seen along z that would be as much over |n·z| along it.
+constexpr double kFaceAxisCosine = 0.5;
+
 double torque_rate(const Scenario& s, const ArmLimits& limits) {
   const double rate = std::min(s.control.torque_rate, limits.torque_rate);
   return s.arm.driver == ArmDriver::sim ? rate : std::min(rate, kRealTorqueRate);
@@ -71,6 +77,7 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
   if (pad) {
     // Its face lies on the surface at E, and it is softer than a pen.
     settings.tip = {0.0, 0.0};
+    settings.surface.min_axis_cosine = kFaceAxisCosine;
     settings.contact.deepest += pad->thickness;
     settings.stability_check.contact_stiffness_max = std::min(
         settings.stability_check.contact_stiffness_max, kPadSpread * pad->stiffness * pad->area());

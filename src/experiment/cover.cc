@@ -160,7 +160,7 @@ void note_rest(double max_slope_deg, bool refused, CoverPlan* cover) {
 
 std::vector<char> inner_places(const CoverPlan& plan, const PlaneLines& lines) {
   const double radius = plan.wish.footprint.radius;
-  return inside_by(plan.grid, swept(plan.grid, lines, radius - kAstray), radius);
+  return inside_by(plan.grid, surely_pressed(plan.grid, lines, plan.centres.feet), radius);
 }
 
 // Promises what the lines cover, repeats parts where they leave too little, and evens out their
@@ -170,8 +170,7 @@ void promise(const Scenario& s, const std::vector<char>& inner, bool refused, Co
   PlaneLines& lines = plan.lines.passes;
   for (auto& part : repeats(plan.grid, plan.centres.feet, inner, lines))
     lines.push_back(std::move(part));
-  plan.promised_area =
-      area_of(plan.grid, swept(plan.grid, lines, plan.wish.footprint.radius - kAstray));
+  plan.promised_area = area_of(plan.grid, surely_pressed(plan.grid, lines, plan.centres.feet));
   plan.forces = even_forces(plan.grid, lines, plan.centres.feet, inner, kForceChange);
   for (auto& pass : plan.forces)
     for (double& f : pass) f *= s.control.normal_force;

@@ -15,9 +15,6 @@
 
 namespace impedraw {
 
-// By how much less than the footprint a promise reaches from its lines: the pad strays [m].
-inline constexpr double kAstray = 0.25e-3;
-
 struct CoverPlan {
   SurfaceGrid grid;  // of the planner's surface, in P
   CoverWish wish;

@@ -120,8 +120,9 @@ Prepared prepare(const Scenario& scenario, const Places& places, Unreachable unr
   try {
     ControlSetup control = control_for(&plan, places);
     Yardstick yardstick = yardstick_of(plan, plan.truth, progress);
+    Truth truth = std::move(plan.truth);
     return {{std::move(plan), std::move(inputs), std::move(control), std::move(yardstick)},
-            std::move(plan.truth)};
+            std::move(truth)};
   } catch (...) {
     if (scenes) scenes->give_back(scene_of(std::move(plan)));
     throw;

@@ -32,11 +32,11 @@ class SmoothNoise {
     double squares = 0.0;
     for (int k = -kReach; k <= kReach; ++k) {
       const double x = k / kCorrelation;
-      kernel[static_cast<std::size_t>(k + kReach)] = std::exp(-0.5 * x * x);
+      kernel.at(k + kReach) = std::exp(-0.5 * x * x);
       squares += std::exp(-x * x);
     }
     const int height = box.bottom - box.top, columns = width_ + 2 * kReach;
-    const auto stride = static_cast<std::uint64_t>(image_width + 2 * kReach);
+    const std::uint64_t stride = static_cast<std::uint64_t>(image_width) + 2 * kReach;
     std::vector<double> white(static_cast<std::size_t>(columns));
     std::vector<double> rows(static_cast<std::size_t>(width_) * (height + 2 * kReach));
     for (int j = 0; j < height + 2 * kReach; ++j) {

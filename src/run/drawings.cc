@@ -30,8 +30,13 @@ Move StandingDrawing::next(const Situation& now) {
     return draw(std::move(first_));
   }
   if (now.last.blocked && !blocked_.full()) {
-    blocked_.add(*now.last.blocked);
+    const StrokePart& at = *now.last.blocked;
+    blocked_.add(at);
     std::vector<StrokePart> parts = remaining(e_, now.ink, blocked_.parts());
+    // What was passed without ink is drawn again at the end, not after each blocked place.
+    std::erase_if(parts, [&at](const StrokePart& p) {
+      return p.stroke < at.stroke || (p.stroke == at.stroke && p.to <= at.to);
+    });
     TipPath around = checked_path(e_, &parts, X_KE.p, -X_KE.R.col(2), 0.0, now.pen.q, &blocked_);
     if (!parts.empty()) return draw(std::move(around));
   }

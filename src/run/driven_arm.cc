@@ -50,7 +50,7 @@ Eigen::Vector3d middle_of(const TipPath& path) {
 // The ink lies where it should, as far as the arm knows.
 bool in_place(const Experiment& e, const Cycle& cycle) {
   constexpr double kInPlace = 2.5e-3;  // [m]
-  return !e.belief.perception || cycle.behind().norm() < kInPlace;
+  return !e.belief.perception || cycle.behind().norm() < std::max(kInPlace, face_reach(e));
 }
 
 bool knows(const CanvasFollower& canvas) {

@@ -7,12 +7,7 @@
 namespace impedraw {
 namespace {
 
-// A pad's face has treated, from before and behind, gaps of its centre under half a radius [m].
-double shortest_gap(const Experiment& e) {
-  const ToolSettings& tool = e.scenario.tool;
-  return tool.kind == ToolKind::pad ? 0.5 * tool.radius.value_or(PadSettings().radius)
-                                    : kShortestGap;
-}
+double shortest_gap(const Experiment& e) { return std::max(kShortestGap, face_reach(e)); }
 
 // The parts less what is taken out of them. Pieces of at most `shortest` [m] are dropped.
 std::vector<StrokePart> less(const Experiment& e, const std::vector<StrokePart>& parts,
@@ -23,6 +18,11 @@ std::vector<StrokePart> less(const Experiment& e, const std::vector<StrokePart>&
 }
 
 }  // namespace
+
+double face_reach(const Experiment& e) {
+  const ToolSettings& tool = e.scenario.tool;
+  return tool.kind == ToolKind::pad ? 0.5 * tool.radius.value_or(PadSettings().radius) : 0.0;
+}
 
 bool overlaps(const StrokePart& part, const std::vector<StrokePart>& others) {
   return std::any_of(others.begin(), others.end(), [&part](const StrokePart& other) {

@@ -56,7 +56,7 @@ class BlockedPlaces {
   // The pen was blocked at this place.
   void add(const StrokePart& at) {
     const bool again = !parts_.empty() && parts_.back().stroke == at.stroke &&
-                       std::abs(parts_.back().to - at.to) < kSame;
+                       at.to > parts_.back().from - kSame && at.to < parts_.back().to + kSame;
     beyond_ = again ? 2.0 * beyond_ : kBeyond;
     parts_.push_back({at.stroke, at.from - kBefore, at.to + beyond_});
   }
@@ -76,6 +76,9 @@ class BlockedPlaces {
 };
 
 inline constexpr double kShortestGap = 1e-3;  // shorter gaps are ignored [m]
+// A pad's face has treated what its centre passes by, and gaps of its centre's way, up to this [m];
+// 0: another tool.
+double face_reach(const Experiment& experiment);
 // Overlap of a redrawn part with the ink at each end [m].
 inline constexpr double kRedrawOverlap = 1e-3;
 

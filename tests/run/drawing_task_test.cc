@@ -129,6 +129,33 @@ TEST(StandingDrawing, GoesOnBehindABlockedPlaceAndDoesNotDrawItAgain) {
   ASSERT_EQ(drawing.record().walls.size(), 1u);
 }
 
+// What lacks ink before a blocked place is left for the end: a pad would treat it once more after
+// each such place.
+TEST(StandingDrawing, LeavesWhatItPassedForTheEnd) {
+  Experiment e = prepared("bowl-sine");
+  StandingDrawing drawing(e, e.plan.path);
+  MadeUpPen pen(e);
+  drawing.next(pen.now());
+  const double length = plane_length(e.plan.strokes[0]), at = 0.5 * length;
+  pen.inks(0, 0.1 * length, at - BlockedPlaces::kBefore);
+  pen.last.blocked = StrokePart{0, at, at};
+  const Move around = drawing.next(pen.now());
+  EXPECT_EQ(around.path.strokes().size(), 1u);
+  pen.inks(0, at + BlockedPlaces::kBeyond, length);
+  pen.last = {};
+  const Move again = drawing.next(pen.now());
+  EXPECT_TRUE(again.again);
+  ASSERT_EQ(drawing.record().drawn_again.size(), 1u);
+  EXPECT_NEAR(drawing.record().drawn_again[0].to, 0.1 * length, 1e-12);
+}
+
+// A pad that goes by within half of its radius treats.
+TEST(FaceReach, IsHalfAPadsRadiusAndNothingForAPen) {
+  EXPECT_EQ(face_reach(prepared("bowl-sine")), 0.0);
+  EXPECT_NEAR(face_reach(prepared("bowl-sine", {"tool.kind=pad", "tool.radius=0.02"})), 0.01,
+              1e-12);
+}
+
 TEST(TouchedDrawing, GoesStrokeByStrokeThenUp) {
   Experiment e =
       prepared("bowl-sine-touch", {"drawing.text.text=il", "drawing.placement.width=20"});

@@ -122,17 +122,18 @@ TEST(Verdict, TheWorseWinsAndOfTwoAlikeTheFirst) {
 
 TEST(BlockedPlaces, KeepsTwiceAsFarOffEachTimeAtTheSamePlace) {
   BlockedPlaces blocked;
-  for (int i = 0; i < 4; ++i) blocked.add({3, 0.050, 0.052});
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 6; ++i) blocked.add({3, 0.050, 0.052});
+  for (int i = 0; i < 6; ++i) {
     const StrokePart& kept = blocked.parts()[static_cast<std::size_t>(i)];
     EXPECT_EQ(kept.stroke, 3);
     EXPECT_NEAR(kept.from, 0.049, 1e-12);
-    // The next place is compared with the end of the last one: within 10 mm of it.
-    const double beyond[] = {2e-3, 4e-3, 8e-3, 16e-3};
+    const double beyond[] = {2e-3, 4e-3, 8e-3, 16e-3, 32e-3, 64e-3};
     EXPECT_NEAR(kept.to, 0.052 + beyond[i], 1e-12) << i;
   }
-  blocked.add({3, 0.09, 0.09});
-  EXPECT_NEAR(blocked.parts().back().to, 0.092, 1e-12) << "another place";
+  blocked.add({3, 0.125, 0.125});
+  EXPECT_NEAR(blocked.parts().back().to, 0.125 + 128e-3, 1e-12) << "within 10 mm of its end";
+  blocked.add({3, 0.29, 0.29});
+  EXPECT_NEAR(blocked.parts().back().to, 0.292, 1e-12) << "another place";
   blocked.add({4, 0.09, 0.09});
   EXPECT_NEAR(blocked.parts().back().to, 0.092, 1e-12) << "another stroke";
 }

@@ -324,6 +324,21 @@ std::vector<char> swept(const SurfaceGrid& g, const std::vector<Line>& lines, do
   return places;
 }
 
+std::vector<char> surely_pressed(const SurfaceGrid& g, const std::vector<Line>& lines,
+                                 const PressedFeet& feet) {
+  std::vector<char> places(g.size(), 0);
+  for (const Line& line : lines)
+    for (const Eigen::Vector2d& p : line.size() > 1 ? resampled(line, 1e-3) : line) {
+      const PressedFoot pressed = feet.at(g, p);
+      const Eigen::Vector3d centre = g.lifted(p);
+      around(g, centre, feet.foot().radius - kAstray, [&](std::size_t v) {
+        const Eigen::Vector3d at = g.point(v);
+        if (!places[v]) places[v] = pressed.depth(at) > kLean * (at - centre).norm();
+      });
+    }
+  return places;
+}
+
 std::vector<char> swept(const SurfaceGrid& g, const Centres& centres, double radius) {
   std::vector<char> places(g.size(), 0);
   for (std::size_t c = 0; c < g.size(); ++c)

@@ -57,9 +57,17 @@ CoverLines cover_lines(const SurfaceGrid& grid, const Centres& centres, const Co
 // continuous, and it stays in their convex hull. It has the line's ends, or stays closed.
 std::vector<Eigen::Vector2d> rounded(const std::vector<Eigen::Vector2d>& line, double step);
 
+// By how much less than the footprint a promise reaches from its lines: the pad strays [m]. By how
+// much it leans, as a cloud's noise makes it: a place must lie deeper in the foam than that [rad].
+inline constexpr double kAstray = 0.25e-3, kLean = 0.035;
+
 // The vertices that a disc of this radius covers, centred on each place of the lines.
 std::vector<char> swept(const SurfaceGrid& grid,
                         const std::vector<std::vector<Eigen::Vector2d>>& lines, double radius);
+// The vertices that the pressed footprint touches there, though it strays and leans.
+std::vector<char> surely_pressed(const SurfaceGrid& grid,
+                                 const std::vector<std::vector<Eigen::Vector2d>>& lines,
+                                 const PressedFeet& feet);
 // And centred on each allowed vertex: what a perfect planner would reach.
 std::vector<char> swept(const SurfaceGrid& grid, const Centres& centres, double radius);
 

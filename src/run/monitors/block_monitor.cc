@@ -55,6 +55,8 @@ Verdict BlockMonitor::judge(const Cycle& cycle, const TipPath& path, double plan
   const bool lost = lost_surface(cycle), shaft = cycle.state->shaft_touches;
   if (sunk || aside || lost || unseen || shaft) {
     *place = place_on_path(desired, path, planned, shaft);
+    // The tip may be where the plan was some time ago.
+    if (*place && desired.stroke >= 0) (*place)->from -= cycle.behind().norm();
     if (*place && sunk && (*place)->stroke == touched_.stroke)
       (*place)->from = std::min((*place)->from, touched_.from);
     if (aside && side_.caught())  // out from beneath what holds it

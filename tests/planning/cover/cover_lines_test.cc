@@ -49,6 +49,37 @@ CoverWish wish() {
   return w;
 }
 
+// The foam touches 1.4 mm below the footprint's plane and no deeper: on a ridge that falls off with
+// the fourth power, the strips beside are swept and not pressed.
+TEST(SurelyPressed, LeavesOutWhatTheFoamDoesNotTouch) {
+  const auto ridge = [](double steep) {
+    return grid_of([steep](double x, double y) -> SurfaceHeight::Sample {
+      if (std::abs(x) > kHalf || std::abs(y) > kHalf) return std::nullopt;
+      const double a = std::abs(y) / 0.015;
+      return SurfaceSample{
+          {x, y, -steep * std::pow(a, 4)},
+          Eigen::Vector3d(0.0, 4.0 * steep * std::pow(a, 3) / 0.015 * (y > 0 ? 1 : -1), 1.0)
+              .normalized()};
+    });
+  };
+  const std::vector<std::vector<Eigen::Vector2d>> lines = {{{-0.05, 0.0}, {0.05, 0.0}}};
+  const Footprint foot = wish().footprint;
+  for (const double steep : {0.0, 4e-3}) {
+    const SurfaceGrid g = ridge(steep);
+    const std::vector<char> pressed = surely_pressed(g, lines, PressedFeet(g, foot)),
+                            covered = swept(g, lines, foot.radius - kAstray);
+    double widest = 0.0;
+    for (std::size_t v = 0; v < g.size(); ++v) {
+      EXPECT_LE(pressed[v], covered[v]);
+      if (pressed[v]) widest = std::max(widest, std::abs(g.plane(v).y()));
+    }
+    if (steep == 0.0)
+      EXPECT_EQ(pressed, covered);
+    else
+      EXPECT_NEAR(widest, 0.0115, 1.5e-3);
+  }
+}
+
 TEST(SurfaceDistance, OnASlopeOf45Degrees) {
   const SurfaceGrid g = grid_of(slope(45.0));
   const std::vector<double> T = distance_across(g, {0.0, 0.0}, {1.0, 0.0});
