@@ -33,6 +33,8 @@ constexpr double kExact = 1e-3;
 // faster than perception knows it, a lighter tip keeps its force. Foam is soft, so that the loop
 // bears it with a wrench that comes late. With 0.1 a hand of 40 N once drove it off by 0.2 m.
 constexpr double kLighter = 0.15;
+// A pad turns with the surface that it feels: joints come nearer to their ends than planned [rad].
+constexpr double kJointMargin = 0.08;
 // Of the centres from places that the arm does not reach [m].
 constexpr double kOffReach = 1e-3;
 constexpr double kReachStep = 8e-3;  // between places for which the arm is asked [m]
@@ -258,6 +260,7 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
   const int over = static_cast<int>(std::numbers::pi * r * r / (voxel * voxel));
   normals.k = std::max(normals.k, std::min(over, kMostNeighbours));
   normals.max_radius = std::max(normals.max_radius, 2.0 * r);
+  s.preflight.joint_margin = std::max(s.preflight.joint_margin, kJointMargin);
   s.drawing.skip_unreachable = true;
   return s;
 }
