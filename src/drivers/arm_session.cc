@@ -205,6 +205,27 @@ SessionSettings session_settings(const ArmSettings& settings, ArmModel arm,
   return s;
 }
 
+void ForeignArm::wind_down() noexcept {
+  session_->stop();
+  constexpr double kLongest = 2.0;  // [s]
+  const double end = wall_seconds() + kLongest;
+  const double patience = settings_.clock == ArmClock::wall ? 0.005 : settings_.max_silence;
+  bool silent = false;
+  while (reachable() && session_->may_send() && wall_seconds() < end) {
+    if (answerable_)
+      send(zero_, false);
+    else if (silent)
+      send(zero_, true);
+    silent = reachable() && session_->may_send() &&
+             !receive(wall_seconds() + (silent ? 0.001 : patience));
+  }
+}
+
+void ForeignArm::note_session_fault() noexcept {
+  if (fault_.empty() && !session_->cause().empty())
+    fault_ = fmt::format("arm: {} (state {})", session_->cause(), name_of(session_->state()));
+}
+
 void require_posture(const JointVector& q, const ArmLimits& limits,
                      const std::vector<std::string>& joint_names,
                      const std::optional<JointVector>& start_q) {

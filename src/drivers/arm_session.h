@@ -28,9 +28,11 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "impedraw/arm/arm_model.h"
@@ -151,11 +153,45 @@ class ForeignArm : public Driver {
   // Called with each status and when it arrived [s of the wall clock].
   using Seen = std::function<void(const ArmStatus&, double now)>;
 
+  const std::string& fault() const noexcept override { return fault_; }
   // From now on zero torque: the arm carries itself.
   virtual void hold() noexcept = 0;
-  virtual Counts counts() const noexcept = 0;
+  Counts counts() const noexcept {
+    return {statuses_, answered_, session_ ? session_->missed() : 0};
+  }
   // Connects and receives statuses for `seconds`, and sends no torque. Throws as start() does.
   virtual void observe(double seconds, const Seen& seen) = 0;
+
+ protected:
+  ForeignArm(const ArmSettings& settings, int joints, double period,
+             std::optional<JointVector> start_q)
+      : settings_(settings),
+        period_(period),
+        start_q_(std::move(start_q)),
+        state_(joints),
+        wanted_(JointVector::Zero(joints)),
+        zero_(wanted_) {}
+
+  // Receives until a status is to be answered or `until` [s]; true if there is one.
+  virtual bool receive(double until) noexcept = 0;
+  // Answers the newest status, or commands without one if that is stale.
+  virtual void send(const JointVector& wanted, bool stale) noexcept = 0;
+  virtual bool reachable() const noexcept = 0;
+  // Damps and lowers the torque to zero, in answer to statuses; without them, by itself.
+  void wind_down() noexcept;
+  void note_session_fault() noexcept;
+
+  ArmSettings settings_;
+  double period_;
+  std::optional<JointVector> start_q_;
+  std::unique_ptr<ArmSession> session_;
+  bool answerable_ = false;
+  long statuses_ = 0, answered_ = 0;
+  std::int64_t first_utime_ = 0;
+  double read_at_ = 0.0, last_step_ = 0.0;  // [s]
+  ArmState state_;
+  JointVector wanted_, zero_;
+  std::string fault_;
 };
 
 // Limits of a session with the arm: the model's torques; somewhat more than its speeds, since the

@@ -121,13 +121,7 @@ void require_same_arm(const std::string& urdf_of_arm, ArmModel model) {
 
 FrankaFci::FrankaFci(const ArmSettings& settings, const ArmModel& arm, double period,
                      std::optional<JointVector> start_q)
-    : settings_(settings),
-      arm_(arm),
-      period_(period),
-      start_q_(std::move(start_q)),
-      state_(kFciJoints),
-      wanted_(JointVector::Zero(kFciJoints)),
-      zero_(wanted_) {
+    : ForeignArm(settings, kFciJoints, period, std::move(start_q)), arm_(arm) {
   if (arm.joints() != kFciJoints)
     throw InputError(
         fmt::format("arm.urdf: the arm has {} joints, Franka's {}", arm.joints(), kFciJoints));
@@ -231,8 +225,7 @@ bool FrankaFci::receive(double until) noexcept {
   if (taken == 0) {
     if (moving_) {
       session_->tick(wall_seconds());
-      if (!session_->cause().empty())
-        note_fault(fmt::format("{} (state {})", session_->cause(), name_of(session_->state())));
+      note_session_fault();
     }
     return false;
   }
@@ -250,8 +243,7 @@ bool FrankaFci::receive(double until) noexcept {
     return true;
   }
   if (session_->receive(last_.arm, wall_seconds())) answerable_ = true;
-  if (!session_->cause().empty())
-    note_fault(fmt::format("{} (state {})", session_->cause(), name_of(session_->state())));
+  note_session_fault();
   return true;
 }
 
@@ -301,17 +293,12 @@ void FrankaFci::send(const JointVector& wanted, bool stale) noexcept {
     note_fault("the connection was lost");
   else if (!stale)
     ++answered_;
-  if (!session_->cause().empty())
-    note_fault(fmt::format("{} (state {})", session_->cause(), name_of(session_->state())));
+  note_session_fault();
 }
 
 void FrankaFci::hold() noexcept {
   holds_ = true;
   if (session_) session_->hold();
-}
-
-ForeignArm::Counts FrankaFci::counts() const noexcept {
-  return {statuses_, answered_, session_ ? session_->missed() : 0};
 }
 
 // Tells the arm that the torques end: it holds itself then.
@@ -331,20 +318,7 @@ void FrankaFci::end_motion() noexcept {
 
 void FrankaFci::stop() noexcept {
   if (!link_ || !session_) return;
-  session_->stop();
-  // Damps and lowers the torque to zero, in answer to states; without them, by itself.
-  constexpr double kLongest = 2.0;  // [s]
-  const double end = wall_seconds() + kLongest;
-  const double patience = settings_.clock == ArmClock::wall ? 0.005 : settings_.max_silence;
-  bool silent = false;
-  while (moving_ && session_->may_send() && wall_seconds() < end) {
-    if (answerable_)
-      send(zero_, false);
-    else if (silent)
-      send(zero_, true);
-    silent =
-        moving_ && session_->may_send() && !receive(wall_seconds() + (silent ? 0.001 : patience));
-  }
+  wind_down();
   end_motion();
   session_.reset();
 }

@@ -37,12 +37,10 @@ class FrankaFci : public ForeignArm {
   void start() override;
   const ArmState& read() noexcept override;
   void command(const JointVector& tau, const JointVector& gravity) noexcept override;
-  const std::string& fault() const noexcept override { return fault_; }
   void stop() noexcept override;
   bool recover(JointVector* q) noexcept override;
 
   void hold() noexcept override;
-  Counts counts() const noexcept override;
   void observe(double seconds, const Seen& seen) override;
 
  private:
@@ -50,27 +48,18 @@ class FrankaFci : public ForeignArm {
   void await_state();
   void require_same_arm();
   void begin_motion();
-  bool receive(double until) noexcept;
-  void send(const JointVector& wanted, bool stale) noexcept;
+  bool receive(double until) noexcept override;
+  void send(const JointVector& wanted, bool stale) noexcept override;
+  bool reachable() const noexcept override { return moving_; }
   void end_motion() noexcept;
   void note_fault(const std::string& cause) noexcept;
 
-  ArmSettings settings_;
   ArmModel arm_;
-  double period_;
-  std::optional<JointVector> start_q_;
   std::unique_ptr<FciLink> link_;
-  std::unique_ptr<ArmSession> session_;  // from begin_motion() on
   std::uint32_t motion_ = 0;             // id of the Move request
-  bool moving_ = false, holds_ = false, answerable_ = false;
-  bool reflex_ = false;  // the fault is one
+  bool moving_ = false, holds_ = false;  // moving: there is a session
+  bool reflex_ = false;                  // the fault is one
   FciState last_;
-  std::int64_t first_utime_ = 0;
-  long statuses_ = 0, answered_ = 0;
-  double read_at_ = 0.0, last_step_ = 0.0;  // [s]
-  ArmState state_;
-  JointVector wanted_, zero_;
-  std::string fault_;
 };
 
 // Throws InputError, which names what differs, unless the arm's own URDF and the model are of the

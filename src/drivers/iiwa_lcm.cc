@@ -55,16 +55,11 @@ double get_double(const std::uint8_t** from) {
 
 IiwaLcm::IiwaLcm(const ArmSettings& settings, const ArmModel& arm, double period,
                  std::optional<JointVector> start_q, bool wrench)
-    : settings_(settings),
-      period_(period),
+    : ForeignArm(settings, kIiwaJoints, period, std::move(start_q)),
       joint_names_(arm.joint_names()),
       limits_(arm.limits()),
-      start_q_(std::move(start_q)),
       wants_wrench_(wrench),
-      decoded_(kIiwaJoints),
-      state_(kIiwaJoints),
-      wanted_(JointVector::Zero(kIiwaJoints)),
-      zero_(wanted_) {
+      decoded_(kIiwaJoints) {
   require_iiwa(arm);
   check_lcm_url(settings.url);
   session_settings_ = session_settings(
@@ -177,7 +172,7 @@ bool IiwaLcm::receive(double until) noexcept {
     fresh = session_->receive(decoded_, wall_seconds()) || fresh;
   }
   session_->tick(wall_seconds());
-  note_fault();
+  note_session_fault();
   if (fresh) answerable_ = true;
   return fresh;
 }
@@ -191,12 +186,7 @@ void IiwaLcm::require_wrench_stamp(std::int64_t utime) noexcept {
   session_->fail(fmt::format(
       "the wrench is stamped {:.3f} s {} the arm's clock: {} must tell that clock's time",
       std::abs(ahead), ahead > 0.0 ? "ahead of" : "behind", kTipWrenchChannel));
-  note_fault();
-}
-
-void IiwaLcm::note_fault() noexcept {
-  if (fault_.empty() && !session_->cause().empty())
-    fault_ = fmt::format("arm: {} (state {})", session_->cause(), name_of(session_->state()));
+  note_session_fault();
 }
 
 const ArmState& IiwaLcm::read() noexcept {
@@ -253,30 +243,14 @@ void IiwaLcm::send(const JointVector& wanted, bool stale) noexcept {
     session_->fail("the connection to the LCM broker was lost");
   else if (!stale)
     ++answered_;
-  note_fault();
+  note_session_fault();
 }
 
 void IiwaLcm::hold() noexcept { session_->hold(); }
 
-IiwaLcm::Counts IiwaLcm::counts() const noexcept {
-  return {statuses_, answered_, session_->missed()};
-}
-
 void IiwaLcm::stop() noexcept {
   if (!link_) return;
-  session_->stop();
-  // Damps and lowers the torque to zero, in answer to statuses; without them, by itself.
-  constexpr double kLongest = 2.0;  // [s]
-  const double end = wall_seconds() + kLongest;
-  const double patience = settings_.clock == ArmClock::wall ? 0.005 : settings_.max_silence;
-  bool silent = false;
-  while (session_->may_send() && link_->connected() && wall_seconds() < end) {
-    if (answerable_)
-      send(zero_, false);
-    else if (silent)
-      send(zero_, true);
-    silent = session_->may_send() && !receive(wall_seconds() + (silent ? 0.001 : patience));
-  }
+  wind_down();
   link_.reset();
 }
 

@@ -76,41 +76,28 @@ class IiwaLcm : public ForeignArm {
   void start() override;
   const ArmState& read() noexcept override;
   void command(const JointVector& tau, const JointVector& gravity) noexcept override;
-  const std::string& fault() const noexcept override { return fault_; }
   void stop() noexcept override;
 
   void hold() noexcept override;
   const ArmSession& session() const { return *session_; }
-  Counts counts() const noexcept override;
   void observe(double seconds, const Seen& seen) override;
 
  private:
   void connect();
-  // Receives until a status is to be answered or `until` [s]; true if there is one.
-  bool receive(double until) noexcept;
-  void send(const JointVector& wanted, bool stale) noexcept;
+  bool receive(double until) noexcept override;
+  void send(const JointVector& wanted, bool stale) noexcept override;
+  bool reachable() const noexcept override { return link_->connected(); }
   void require_wrench_stamp(std::int64_t utime) noexcept;
-  void note_fault() noexcept;
 
-  ArmSettings settings_;
-  double period_;
   std::vector<std::string> joint_names_;
   ArmLimits limits_;
-  std::optional<JointVector> start_q_;
   bool wants_wrench_;
   SessionSettings session_settings_;
   std::unique_ptr<LcmLink> link_;
-  std::unique_ptr<ArmSession> session_;
   ArmStatus decoded_;
   TipWrench wrench_;
-  bool decoded_any_ = false, wrench_any_ = false, answerable_ = false, began_ = false;
-  long statuses_ = 0, answered_ = 0;
-  double read_at_ = 0.0, last_step_ = 0.0;  // [s]
-  std::int64_t first_utime_ = 0;
+  bool decoded_any_ = false, wrench_any_ = false, began_ = false;
   std::string misread_;  // why a message could not be read
-  ArmState state_;
-  JointVector wanted_, zero_;
-  std::string fault_;
 };
 
 }  // namespace impedraw
