@@ -12,7 +12,7 @@
 #include "impedraw/arm/urdf_inertia.h"
 #include "impedraw/arm/urdf_tree.h"
 #include "impedraw/common/errors.h"
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 
 namespace impedraw {
 namespace {

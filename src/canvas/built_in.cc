@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -13,12 +14,85 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/canvas/describe_built_in.h"
-#include "impedraw/canvas/mesh_patterns.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
 
 namespace impedraw {
 namespace {
+
+// A circle of vertices about the z axis, counter-clockwise seen from above.
+struct Ring {
+  double radius = 0.0;  // [m]
+  double z = 0.0;       // [m]
+  int count = 0;        // vertices, at least 3, the first at y = 0
+};
+
+// A grid of columns × rows cells, each cut along the same diagonal. Vertices are at(u, v), with u
+// and v from 0 to 1. Normals point along ∂at/∂u × ∂at/∂v.
+TriangleMesh grid_mesh(int columns, int rows,
+                       const std::function<Eigen::Vector3d(double u, double v)>& at) {
+  TriangleMesh mesh;
+  for (int row = 0; row <= rows; ++row) {
+    for (int column = 0; column <= columns; ++column)
+      mesh.vertices.push_back(at(double(column) / columns, double(row) / rows));
+  }
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const int a = row * (columns + 1) + column;
+      const int b = a + columns + 1;
+      mesh.triangles.emplace_back(a, a + 1, b + 1);
+      mesh.triangles.emplace_back(a, b + 1, b);
+    }
+  }
+  return mesh;
+}
+
+// The smallest number of equal cells, each at most `edge` long, that make up `length`; at least
+// one.
+int cells(double length, double edge) {
+  // The factor keeps 0.36/0.0015 at 240 despite rounding.
+  return std::max(1, static_cast<int>(std::ceil(length / edge * (1.0 - 1e-12))));
+}
+
+// A pole on the z axis and the rings about it, innermost first. Neighbouring rings are stitched
+// along the shorter diagonals. Normals point up if the rings widen away from the pole.
+TriangleMesh ring_mesh(double pole_z, const std::vector<Ring>& rings) {
+  TriangleMesh mesh;
+  mesh.vertices.emplace_back(0.0, 0.0, pole_z);
+  int inner_first = 0;
+  int inner_count = 1;
+  for (const Ring& ring : rings) {
+    const int outer_first = static_cast<int>(mesh.vertices.size());
+    const int outer_count = ring.count;
+    for (int i = 0; i < outer_count; ++i) {
+      const double phi = 2.0 * std::numbers::pi * i / outer_count;
+      mesh.vertices.emplace_back(ring.radius * std::cos(phi), ring.radius * std::sin(phi), ring.z);
+    }
+    // a fan about the pole
+    const int inner_steps = inner_count == 1 ? 0 : inner_count;
+    int i = 0;
+    int j = 0;
+    while (i < inner_steps || j < outer_count) {
+      const int inner = inner_first + i % inner_count;
+      const int outer = outer_first + j % outer_count;
+      // The shorter of the two diagonals, compared as angles in whole numbers: (2 j +
+      // 1)/outer_count ≤ (2 i + 1)/inner_count.
+      const bool shorter =
+          std::int64_t{2 * j + 1} * inner_count <= std::int64_t{2 * i + 1} * outer_count;
+      const bool take_outer = j < outer_count && (i >= inner_steps || shorter);
+      if (take_outer) {
+        mesh.triangles.emplace_back(inner, outer, outer_first + (j + 1) % outer_count);
+        ++j;
+      } else {
+        mesh.triangles.emplace_back(inner, outer, inner_first + (i + 1) % inner_count);
+        ++i;
+      }
+    }
+    inner_first = outer_first;
+    inner_count = outer_count;
+  }
+  return mesh;
+}
 
 constexpr double kMostShapeTriangles = 2e6;  // 1.5 m square in the usual cells of 1.5 mm
 

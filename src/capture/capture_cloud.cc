@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "impedraw/capture/clean_view.h"
-#include "impedraw/capture/unquantised.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/perception/normals.h"
 

@@ -11,7 +11,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/perception/neighbours.h"
 
 namespace impedraw {

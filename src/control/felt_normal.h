@@ -12,6 +12,9 @@
 // Requires   unit normals; f: the force on the tip, in W, of a contact that lasts.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Core>
 
 namespace impedraw {
@@ -27,8 +30,10 @@ struct FeltNormalSettings {
 
 // The part of a force across the normal that Coulomb friction up to `most` explains [N]: against
 // the slip, along which the rest may only push.
-Eigen::Vector3d friction_in(const Eigen::Vector3d& f_t, const Eigen::Vector3d& slip,
-                            double most) noexcept;
+inline Eigen::Vector3d friction_in(const Eigen::Vector3d& f_t, const Eigen::Vector3d& slip,
+                                   double most) noexcept {
+  return -std::clamp(-f_t.dot(slip), 0.0, most) * slip;
+}
 
 class FeltNormal {
  public:
@@ -39,16 +44,40 @@ class FeltNormal {
   // n: the normal that the law follows; slip: see above; least_force: f_n below which the force
   // tells nothing [N].
   void update(const Eigen::Vector3d& n, const Eigen::Vector3d& f, const Eigen::Vector3d& slip,
-              double friction, double least_force) noexcept;
+              double friction, double least_force) noexcept {
+    constexpr double kTime = 5e-3;  // 0.25 mm at 50 mm/s: a quarter of the ball's radius [s]
+    if (!in_use()) return;
+    if (!known_) n_F_ = n;
+    known_ = true;
+    const double f_n = n.dot(f);
+    if (f_n < least_force) return;
+    const Eigen::Vector3d f_t = f - f_n * n;
+    const Eigen::Vector3d aside = f_t - friction_in(f_t, slip, friction * f_n);
+    // At rest the spring's own pull would be taken for a slope.
+    const Eigen::Vector3d x = (n + slip.norm() / f_n * aside).normalized();
+    n_F_ = (n_F_ + std::min(1.0, dt_ / kTime) * (x - n_F_)).normalized();
+    deviation_ = settings_.deviation + settings_.force_error / f_n;
+  }
   void reset() noexcept { known_ = false; }
 
   // The normal where the tip touches, by one who follows n; n itself without a contact.
-  Eigen::Vector3d seen_from(const Eigen::Vector3d& n) const noexcept;
+  Eigen::Vector3d seen_from(const Eigen::Vector3d& n) const noexcept {
+    return (n + beyond(n)).normalized();
+  }
   // The perceived normal, corrected by `share` of what was felt.
-  Eigen::Vector3d corrected(const Eigen::Vector3d& perceived) const noexcept;
+  Eigen::Vector3d corrected(const Eigen::Vector3d& perceived) const noexcept {
+    return (perceived + settings_.share * beyond(perceived)).normalized();
+  }
 
  private:
-  Eigen::Vector3d beyond(const Eigen::Vector3d& m) const noexcept;
+  Eigen::Vector3d beyond(const Eigen::Vector3d& m) const noexcept {
+    constexpr double kMost = 1.0, kLeastCosine = 0.1;
+    if (!known_) return Eigen::Vector3d::Zero();
+    const Eigen::Vector3d tangent = n_F_ / std::max(n_F_.dot(m), kLeastCosine);
+    const Eigen::Vector3d aside = tangent - m * m.dot(tangent);
+    const double size = aside.norm();
+    return aside * (std::clamp(size - deviation_, 0.0, kMost) / std::max(size, 1e-9));
+  }
 
   FeltNormalSettings settings_;
   double dt_;

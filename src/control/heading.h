@@ -7,7 +7,7 @@
 //          turn them back: the turn moves the tip frame.
 // Led      V_d += ψ̇ n,  V̇_d += ψ̈ n,  K e += k ψ_e n,   ψ_e = ∠(x_E, x_D) about n, within ± π
 //          a blade. k: stiffness about the normal. Nothing then keeps joints from the ends of their
-//          ranges but the null space; the plan has to (led_heading.h).
+//          ranges but the null space; the plan has to (tool_fit.h).
 // Requires `space` updated for `arm`
 #pragma once
 

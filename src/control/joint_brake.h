@@ -12,6 +12,10 @@
 // Requires `space` updated for `arm`
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
+#include "impedraw/control/damping.h"
 #include "impedraw/control/impedance_settings.h"
 
 namespace impedraw {
@@ -22,11 +26,31 @@ class JointBrake {
   static constexpr double kShare = 0.3;     // share of the braking time for the torque to build up
   static constexpr double kFurthest = 0.5;  // bound of the integral [rad]
 
-  JointBrake(const ImpedanceSettings& settings, int joints);
+  JointBrake(const ImpedanceSettings& s, int joints)
+      : dt_(s.timing.dt),
+        damping_rate_(bearable_rate(s.timing.damping_delay())),
+        torque_rate_(s.limits.torque_rate),
+        behind_(JointVector::Zero(joints)) {}
 
   // τ − g [Nm] of one step; v_WD: desired velocity of the tip [m/s].
   JointVector torque(const ArmTerms& arm, const OperationalSpace& space,
-                     const Eigen::Vector3d& v_WD) noexcept;
+                     const Eigen::Vector3d& v_WD) noexcept {
+    Vector6 V_D;
+    V_D << v_WD, Eigen::Vector3d::Zero();
+    const JointVector v_D =
+        space.acceleration(arm.J.transpose().lazyProduct(Vector6(space.inertia() * V_D)));
+    const JointVector lack = v_D - arm.v;
+    behind_ += dt_ * lack;
+    behind_ = behind_.cwiseMax(-kFurthest).cwiseMin(kFurthest);
+    JointVector tau(lack.size());
+    for (Eigen::Index j = 0; j < tau.size(); ++j) {
+      const double M = arm.M(j, j);
+      double D = damping_rate_ / space.acceleration(JointVector::Unit(tau.size(), j))[j];
+      if (torque_rate_.size() > 0) D = std::min(D, std::sqrt(kShare * torque_rate_[j] / kFast * M));
+      tau[j] = D * lack[j] + 0.25 * D * D / M * behind_[j];
+    }
+    return tau;
+  }
   void release() noexcept { behind_.setZero(); }  // the next step begins a new braking
 
  private:

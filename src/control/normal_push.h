@@ -8,18 +8,39 @@
 // Requires  a measured wrench for the integral
 #pragma once
 
+#include <algorithm>
+
 #include "impedraw/control/contact.h"
 
 namespace impedraw {
 
 class NormalPush {
  public:
-  explicit NormalPush(const ImpedanceSettings& settings) noexcept;
+  explicit NormalPush(const ImpedanceSettings& s) noexcept
+      : dt_(s.timing.dt),
+        settings_(s.force_integral),
+        integrates_(s.force_integral.enabled && s.wrench == WrenchFeedback::measured) {}
 
   // Integrates the force error over one step, unless `frozen`, and returns F_push [N, Nm].
   // carried: force that the handover adds in this step [N].
   Vector6 update(const Contact& contact, const Wrench& F_ext, const Eigen::Vector3d& carried,
-                 bool frozen) noexcept;
+                 bool frozen) noexcept {
+    const Eigen::Vector3d& n = contact.n;
+    const bool touches = contact.mode == ContactMode::contact;
+    desired_ = touches ? contact.force : 0.0;
+    built_up_ = touches ? std::max(0.0, desired_ - n.dot(carried)) : 0.0;
+    if (integrates_ && !frozen) {
+      const double asked = desired_ * n.dot(contact.n_C) - n.dot(carried);
+      const double error = asked - n.dot(F_ext.head<3>());
+      // Out of contact the integral's effect decays with the force carried over at the switch.
+      integral_ = touches ? std::clamp(integral_ + settings_.rate * dt_ * error, -settings_.limit,
+                                       settings_.limit)
+                          : 0.0;
+    }
+    Vector6 F = Vector6::Zero();
+    if (contact.on_surface()) F.head<3>() = -(desired_ * n.dot(contact.n_C) + integral_) * n;
+    return F;
+  }
 
   double desired() const noexcept { return desired_; }    // F_n in contact, else 0 [N]
   double built_up() const noexcept { return built_up_; }  // the part that acts already [N]

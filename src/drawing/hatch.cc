@@ -5,16 +5,156 @@
 #include <cstdint>
 #include <numbers>
 
+#include <fmt/core.h>
+
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
-#include "impedraw/drawing/hatch_rows.h"
-#include "impedraw/drawing/regions.h"
+#include "impedraw/drawing/polyline.h"
 
 namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kShortest = 1e-5;  // [mm]
+
+template <class Map>
+std::vector<Vector2d> in_pieces(const std::vector<Vector2d>& line, double longest, const Map& map) {
+  std::vector<Vector2d> points = {map(line[0])};
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Vector2d a = line[i - 1], way = line[i] - a;
+    const int pieces = longest > 0.0 ? 1 + static_cast<int>(way.norm() / longest) : 1;
+    for (int k = 1; k < pieces; ++k) points.push_back(map(a + way * k / pieces));
+    points.push_back(map(line[i]));
+  }
+  return points;
+}
+
+}  // namespace
+
+HatchFrame::HatchFrame(double angle, const SurfaceDistances& distances,
+                       const Eigen::AlignedBox2d& box, double step)
+    : along_(std::cos(angle), -std::sin(angle)), across_(std::sin(angle), std::cos(angle)) {
+  if (!distances) return;
+  const SurfaceDistance distance = distances(across_);
+  Eigen::AlignedBox2d turned;
+  for (int corner = 0; corner < 4; ++corner)
+    turned.extend(to_H(box.corner(static_cast<Eigen::AlignedBox2d::CornerType>(corner))));
+  step_ = step;
+  low_ = turned.min();
+  columns_ = static_cast<std::size_t>(turned.sizes().x() / step) + 2;
+  rows_ = static_cast<std::size_t>(turned.sizes().y() / step) + 2;
+  for (std::size_t i = 0; i < columns_; ++i)
+    for (std::size_t j = 0; j < rows_; ++j) {
+      constexpr double kLeastRise = 0.1;  // as a share of the step
+      const Vector2d p = low_ + step * Vector2d(static_cast<double>(i), static_cast<double>(j));
+      const double there = distance(p.x() * along_ + p.y() * across_);
+      table_.push_back(j == 0 ? there : std::max(there, table_.back() + kLeastRise * step));
+    }
+}
+
+double HatchFrame::sample(double x, std::size_t row) const {
+  const double at = std::clamp((x - low_.x()) / step_, 0.0, static_cast<double>(columns_ - 1));
+  const std::size_t i = std::min(columns_ - 2, static_cast<std::size_t>(at)), k = i * rows_ + row;
+  return table_[k] + (at - static_cast<double>(i)) * (table_[k + rows_] - table_[k]);
+}
+
+Vector2d HatchFrame::to_H(const Vector2d& page_mm) const {
+  const Vector2d p(along_.dot(page_mm), across_.dot(page_mm));
+  if (step_ == 0.0) return p;
+  const double at = (p.y() - low_.y()) / step_;
+  const auto row = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(rows_ - 2)));
+  const double below = sample(p.x(), row);
+  return {p.x(), below + (at - static_cast<double>(row)) * (sample(p.x(), row + 1) - below)};
+}
+
+Vector2d HatchFrame::to_page(const Vector2d& p_H) const {
+  if (step_ == 0.0) return p_H.x() * along_ + p_H.y() * across_;
+  std::size_t row = 0, end = rows_ - 1;  // y_H lies between their samples, but for the ends
+  while (end - row > 1) {
+    const std::size_t middle = (row + end) / 2;
+    (sample(p_H.x(), middle) <= p_H.y() ? row : end) = middle;
+  }
+  const double below = sample(p_H.x(), row),
+               share = (p_H.y() - below) / (sample(p_H.x(), row + 1) - below);
+  return p_H.x() * along_ + (low_.y() + step_ * (static_cast<double>(row) + share)) * across_;
+}
+
+std::vector<Vector2d> HatchFrame::outline_to_H(std::vector<Vector2d> page_mm) const {
+  if (step_ > 0.0) page_mm.push_back(Vector2d(page_mm.front()));
+  return in_pieces(page_mm, step_, [this](const Vector2d& p) { return to_H(p); });
+}
+
+std::vector<Vector2d> HatchFrame::line_to_page(const std::vector<Vector2d>& line_H) const {
+  return in_pieces(line_H, step_, [this](const Vector2d& p) { return to_page(p); });
+}
+
+namespace {
+
+constexpr double kMostRows = 100'000;
+constexpr double kDetail = 0.02;  // of an outline that its insets do without [spacings]
+constexpr double kChords = 1e-3;  // a circle's chords lie within it, of the spacing
+
+HatchLine circle(const Vector2d& middle, double radius, double spacing, std::int64_t row) {
+  const double chords =
+      std::max(12.0, std::ceil(std::numbers::pi * std::sqrt(radius / (2 * kChords * spacing))));
+  HatchLine line{{}, row};
+  for (double i = 0; i < chords; ++i) {
+    const double at = 2 * std::numbers::pi * i / chords;
+    line.points.push_back(middle + radius * Vector2d(std::cos(at), std::sin(at)));
+  }
+  line.points.push_back(Vector2d(line.points.front()));
+  return line;
+}
+
+std::vector<Vector2d> without_detail(const std::vector<Vector2d>& outline, double tolerance) {
+  std::vector<Vector2d> kept;
+  for (const std::size_t i : simplified(outline, tolerance)) kept.push_back(outline[i]);
+  return kept;
+}
+
+}  // namespace
+
+double require_few_rows(double farthest, double spacing) {
+  const double rows = farthest / spacing;
+  if (rows > kMostRows) {
+    throw InputError(
+        fmt::format("hatch: an area of {:.4g} mm across would take {:.3g} lines {:.3g} mm apart on "
+                    "the page; at most {:.0e} are drawn",
+                    farthest, rows, spacing, kMostRows));
+  }
+  return rows;
+}
+
+std::vector<HatchLine> page_rings(const Outlines& region, HatchStyle style, double spacing) {
+  std::vector<HatchLine> lines;
+  const Eigen::AlignedBox2d box = outlines_box(region);
+  if (box.isEmpty()) return lines;
+  if (style == HatchStyle::concentric) {
+    double farthest = 0;
+    for (const auto& outline : region)
+      for (const Vector2d& p : outline) farthest = std::max(farthest, (p - box.center()).norm());
+    const double rows = require_few_rows(farthest, spacing);
+    for (double k = 0; k + 0.5 < rows; ++k)
+      lines.push_back(
+          circle(box.center(), (k + 0.5) * spacing, spacing, static_cast<std::int64_t>(k)));
+    return lines;
+  }
+  require_few_rows(box.sizes().minCoeff() / 2, spacing);
+  const RegionMath math(box);
+  Outlines coarse = region;  // what is much finer than the spacing would only take time
+  for (auto& outline : coarse) outline = without_detail(outline, kDetail * spacing);
+  Outlines inset = math.inset(math.united(coarse), spacing / 2);
+  for (std::int64_t row = 0; !inset.empty(); ++row, inset = math.inset(inset, spacing)) {
+    for (const auto& outline : inset) {
+      lines.push_back({outline, row});
+      lines.back().points.push_back(Vector2d(outline.front()));
+    }
+  }
+  return lines;
+}
+
+namespace {
+
+constexpr double kShortestPart = 1e-5;  // [mm]
 constexpr double kInset = 0.25;  // of joined lines from the outline: half a pen [mm on the canvas]
 constexpr double kJoin = 3.0;    // longest way from inset to inset, and where tones vary [spacings]
 constexpr double kBend = 2.0;    // between points of a line that follows the surface [mm there]
@@ -55,12 +195,12 @@ std::vector<HatchLine> set_of_lines(const Eigen::AlignedBox2d& box, const Region
     for (std::size_t i = 1; i < at.size(); ++i) {
       const double a = x_at(at[i - 1]), b = x_at(at[i]);
       if (!region.inside({(a + b) / 2, y})) continue;
-      if (!row.empty() && a - row.back().second < kShortest)
+      if (!row.empty() && a - row.back().second < kShortestPart)
         row.back().second = b;
       else
         row.emplace_back(a, b);
     }
-    std::erase_if(row, [](const auto& part) { return part.second - part.first < kShortest; });
+    std::erase_if(row, [](const auto& part) { return part.second - part.first < kShortestPart; });
     const std::int64_t number = std::llround(k);
     if (number % 2 != 0) {
       std::reverse(row.begin(), row.end());

@@ -1,4 +1,4 @@
-// Fills areas with pen strokes: parallel ones, or rings (hatch_rings.h).
+// Fills areas with pen strokes: parallel ones, or rings (hatch.h).
 //
 // The parallel lines lie at (k + 1/2) · spacing from the page's origin for integer k, so those of
 // neighbouring areas meet. Each line is clipped by the area's outlines and fill rule (Clipper).
@@ -11,17 +11,70 @@
 // area narrower than the spacing may get none.
 //
 // The spacing is the page's, which a wrapped page has on the surface, too. On a page that is
-// projected it is measured on the surface (hatch_frame.h): lines bend, and keep their distance.
+// projected it is measured on the surface (hatch.h): lines bend, and keep their distance.
 #pragma once
 
+#include <functional>
 #include <vector>
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
 #include "impedraw/common/range.h"
-#include "impedraw/drawing/hatch_frame.h"
-#include "impedraw/drawing/hatch_rings.h"
+#include "impedraw/drawing/hatch_rows.h"
+#include "impedraw/drawing/regions.h"
 #include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
+
+// Coordinates of one set of hatch lines: x_H along them, y_H across.
+//
+// Straight, y_H is the distance on the page. Bent, it is a field whose level lines lie evenly on
+// the surface, so that lines of constant y_H do: sampled, linear between its samples, and made to
+// rise across the lines, so that every point of the page has one place in H, and back.
+
+// At a point of the page [mm], the distance from a line across the drawing, measured on the
+// surface, in millimetres of the page. Of the direction on the page in which it is to rise.
+using SurfaceDistance = std::function<double(const Eigen::Vector2d& page_mm)>;
+using SurfaceDistances = std::function<SurfaceDistance(const Eigen::Vector2d& across)>;
+
+class HatchFrame {
+ public:
+  // angle: of the lines [rad], counter-clockwise as seen. Bent over a box of the page by samples
+  // `step` apart [mm], or straight without distances.
+  HatchFrame(double angle, const SurfaceDistances& distances, const Eigen::AlignedBox2d& box,
+             double step);
+
+  Eigen::Vector2d to_H(const Eigen::Vector2d& page_mm) const;
+  Eigen::Vector2d to_page(const Eigen::Vector2d& p_H) const;
+  // In pieces that follow the bends. Straight ones keep their points.
+  std::vector<Eigen::Vector2d> outline_to_H(std::vector<Eigen::Vector2d> page_mm) const;
+  std::vector<Eigen::Vector2d> line_to_page(const std::vector<Eigen::Vector2d>& line_H) const;
+
+ private:
+  double sample(double x, std::size_t row) const;  // of the table, at x_H
+
+  Eigen::Vector2d along_, across_;
+  double step_ = 0.0;                              // [mm]; 0: straight
+  Eigen::Vector2d low_ = Eigen::Vector2d::Zero();  // of the table, along and across [mm]
+  std::size_t columns_ = 0, rows_ = 0;
+  std::vector<double> table_;  // y_H [mm], column by column
+};
+
+// Hatch lines that run round: circles about the middle of an area's box (concentric), or insets of
+// its outline, as slicers lay them (contour-parallel). Their distances from the middle or the
+// outline are (k + 1/2) · spacing for rows k = 0, 1, 2, …
+enum class HatchStyle { boustrophedon, concentric, contour_parallel };
+
+// The lines over a region of the page that is free of overlaps [mm]; they may leave it.
+using HatchRings = std::function<std::vector<HatchLine>(const Outlines& region, HatchStyle style,
+                                                        double spacing_mm)>;
+
+// Distances are those of the page.
+std::vector<HatchLine> page_rings(const Outlines& region, HatchStyle style, double spacing_mm);
+
+// How many rows lie within `farthest`. InputError: more than 100,000.
+double require_few_rows(double farthest, double spacing_mm);
 
 struct HatchSettings {
   double spacing_mm = 0;  // between neighbouring lines of a full tone on the canvas; 0: no hatching

@@ -13,7 +13,6 @@
 #include "impedraw/common/input_file.h"
 #include "impedraw/drawing/bounded.h"
 #include "impedraw/drawing/doubles.h"
-#include "impedraw/drawing/svg_letters.h"
 #include "impedraw/drawing/svg_subpaths.h"
 #include "impedraw/drawing/usvg/impedraw_usvg.h"
 #include "impedraw/drawing/visible.h"

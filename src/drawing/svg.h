@@ -18,7 +18,7 @@
 // groups, named by Inkscape label, id or position, or its colours (layers.h).
 //
 // Text is drawn as the outlines of its glyphs, in the system's fonts, or in single strokes
-// (svg_letters.h). A warning names a font that is not installed and the one that replaces it. What
+// (svg_subpaths.h). A warning names a font that is not installed and the one that replaces it. What
 // the internal DTD declares (namespaces, default attributes) counts. A pathLength stretches the
 // dashes.
 //

@@ -12,7 +12,6 @@
 #include "impedraw/drawing/dashes.h"
 #include "impedraw/drawing/line_pieces.h"
 #include "impedraw/drawing/polyline.h"
-#include "impedraw/drawing/veils.h"
 
 namespace impedraw {
 namespace {

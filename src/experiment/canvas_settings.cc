@@ -8,7 +8,7 @@
 
 #include "impedraw/canvas/describe_built_in.h"
 #include "impedraw/canvas/mesh_check.h"
-#include "impedraw/common/roll_pitch_yaw.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/simulation/describe_world.h"
 
 namespace impedraw {

@@ -60,7 +60,7 @@ double torque_rate(const Scenario& s, const ArmLimits& limits) {
 }
 
 ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, const Plan& plan,
-                                     double wrench_delay) {
+                                     double wrench_delay, const std::optional<CutForces>& cut) {
   const ArmLimits& limits = belief.arm.limits();
   ImpedanceSettings settings = s.control;
   settings.timing.dt = s.world.dt;
@@ -99,15 +99,14 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
           std::min(kNormalErrorRange.highest,
                    std::atan(kCutSpread * pad->friction_across) * 180.0 / std::numbers::pi);
   }
-  if (const auto cutter = cutter_of(s.tool)) {
+  if (cut) {
     // The cut explains a part of the measured wrench, and the push sinks the tip into it.
-    const CutForces cut = cut_forces(*cutter, s.tool.depth, 0.0, s.path.draw_speed);
-    settings.tip.stiffness = cut.normal / s.tool.depth;
+    settings.tip.stiffness = cut->normal / s.tool.depth;
     settings.contact.deepest += s.tool.depth;
-    settings.friction.coefficient = kCutSpread * cut.drag / cut.normal;
+    settings.friction.coefficient = kCutSpread * cut->drag / cut->normal;
     settings.friction.normal_error_deg =
         std::min(kNormalErrorRange.highest,
-                 std::atan(kCutSpread * cut.side / cut.normal) * 180.0 / std::numbers::pi);
+                 std::atan(kCutSpread * cut->side / cut->normal) * 180.0 / std::numbers::pi);
     settings.felt_normal.share = 0.0;  // it would take the cut's side force for a slope
   }
   settings.surface.drawing_axis_W = plan.path_settings.X_WP.R.col(2);
@@ -217,15 +216,16 @@ ControlSetup make_control_setup(const Scenario& s, const Belief& belief, const P
         {"tool.kind", "control.wrench", "perception.enabled"},
         "tool.kind: an engraver holds its depth by what it feels on a surface that "
         "it sees; valid is a measured control.wrench, and perception.enabled true");
+  std::optional<CutForces> cut;
   if (const auto cutter = cutter_of(s.tool)) {
-    const CutForces cut = cut_forces(*cutter, s.tool.depth, 0.0, s.path.draw_speed);
-    if (kCutSpread * cut.drag > kFrictionRange.highest * cut.normal)
+    cut = cut_forces(*cutter, s.tool.depth, 0.0, s.path.draw_speed);
+    if (kCutSpread * cut->drag > kFrictionRange.highest * cut->normal)
       setting_errors.raise(
           {"tool.half_angle", "path.draw_speed"},
           fmt::format("tool.half_angle: a cone of {:.3g}° meets {:.1f} times as much drag as force "
                       "along its axis, which cannot be told from a wall above {:.1f}; valid is a "
                       "wider cone",
-                      s.tool.half_angle_deg, cut.drag / cut.normal,
+                      s.tool.half_angle_deg, cut->drag / cut->normal,
                       kFrictionRange.highest / kCutSpread));
   }
   if (is_led(s.tool) && (!s.perception.enabled || s.perception.frames.enabled))
@@ -245,8 +245,8 @@ ControlSetup make_control_setup(const Scenario& s, const Belief& belief, const P
       wrench_delay += WrenchEstimator(setup.estimator).group_delay();
     });
   }
-  setup.impedance = impedance_settings(s, belief, plan, wrench_delay);
-  if (const std::vector<double> depths = depths_of(s.tool); cutter_of(s.tool))
+  setup.impedance = impedance_settings(s, belief, plan, wrench_delay, cut);
+  if (const std::vector<double> depths = depths_of(s.tool); cut)
     setup.cut = {setup.impedance.tip.stiffness, depths[0], depths[1]};
   choose_mass(s.control, s.perception.frames.enabled, &setup.impedance);
   set_up_joint_sensing(s, belief.arm.joints(), setting_errors, &setup);

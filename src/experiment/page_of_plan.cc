@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/angle.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/planning/preflight/posture_check.h"

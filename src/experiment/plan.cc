@@ -8,7 +8,6 @@
 
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/experiment/height_sources.h"
-#include "impedraw/experiment/led_heading.h"
 #include "impedraw/experiment/line_forces.h"
 #include "impedraw/experiment/plan_notes.h"
 #include "impedraw/experiment/plan_summary.h"

@@ -12,6 +12,22 @@
 
 namespace impedraw {
 
+WrenchEstimatorSettings estimator_settings(const SensingSettings& sensing,
+                                           const WrenchSensorSettings& sensor, double dt,
+                                           double gravity) {
+  WrenchEstimatorSettings s;
+  s.dt = dt;
+  s.tool = sensing.tool;
+  s.X_ES.p = {0.0, 0.0, -sensing.tip_distance};
+  s.gravity_W = {0.0, 0.0, -gravity};
+  s.sensor_delay = sensing.sensor_delay.value_or(sensor.delay);
+  s.tare_time = sensing.tare_time;
+  // A reading at the end of the range is rounded to a whole quantum, which may lie below it.
+  if (sensor.range_force > 0.0) s.range_force = sensor.range_force - sensor.quantum_force;
+  if (sensor.range_torque > 0.0) s.range_torque = sensor.range_torque - sensor.quantum_torque;
+  return s;
+}
+
 PerceptionSettings::PerceptionSettings() {
   for (const double azimuth : {0.0, 2.0 * std::numbers::pi / 3.0, 4.0 * std::numbers::pi / 3.0}) {
     CameraSettings camera;
@@ -355,7 +371,7 @@ void describe(Fields& f, FaultSettings& s) {
   f.field("duration", s.duration, {0.0, 1000.0}, "s", "Duration of the fault.");
 }
 
-// Elsewhere: describe_perception.cc, describe_control.cc.
+// Elsewhere: describe_settings.cc.
 void describe(Fields& f, PerceptionSettings& s);
 void describe(Fields& f, ControlSettings& s);
 

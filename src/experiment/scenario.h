@@ -15,9 +15,6 @@
 #include "impedraw/drawing/stroke_file.h"
 #include "impedraw/drawing/text.h"
 #include "impedraw/experiment/canvas_settings.h"
-#include "impedraw/experiment/cover_settings.h"
-#include "impedraw/experiment/faults.h"
-#include "impedraw/experiment/wrench_input.h"
 #include "impedraw/log/log_settings.h"
 #include "impedraw/perception/cloud.h"
 #include "impedraw/perception/frame_settings.h"
@@ -28,10 +25,104 @@
 #include "impedraw/report/picture.h"
 #include "impedraw/sensing/joint_state_estimator.h"
 #include "impedraw/sensing/touch_settings.h"
+#include "impedraw/sensing/wrench_estimator.h"
 #include "impedraw/settings/schema.h"
 #include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
+
+// Faults injected into the loop around the controller, to test how the arm reacts.
+enum class FaultKind {
+  nan_state,     // a joint velocity is NaN
+  stale_state,   // the joint state stays as it was when the fault began
+  nan_wrench,    // the wrench is NaN
+  stale_wrench,  // the wrench stays as it was when the fault began
+  no_cloud,      // perception finds no surface under the tip
+  no_frames,     // the cameras' frames of a moving canvas get lost
+  slow_step,     // one control step takes `duration`; the drives hold the last torque
+  // An arm and a sensor that lie:
+  jumped_state,    // the first joint's position is 0.5 rad off
+  drifting_state,  // the first joint's position drifts by 0.3 rad/s, which its speed does not tell
+  standing_state,  // positions as they were when the fault began, speeds zero
+  false_speed,     // the first joint's speed is 9 rad/s
+  false_wrench,    // 200 N more along z
+  future_wrench,   // the wrench is stamped an hour ahead
+};
+
+struct FaultSettings {
+  FaultKind kind = FaultKind::nan_state;
+  // Start, as a fraction of the time from the first stroke's start to the last stroke's end.
+  double start = 0.5;
+  double duration = 0.05;  // [s]
+};
+
+// The tool at the arm's end, and how an area is covered with it.
+enum class ToolKind { pen, pad, engraver, blade, roller };
+enum class Swivel { spot, lifted };  // of a tool that is led, at corners
+
+struct ToolSettings {
+  ToolKind kind = ToolKind::pen;
+  std::optional<double> radius;                     // of the face; absent: see settings.md [m]
+  double foam_stiffness = PadSettings().stiffness;  // [N/m³]
+  double depth = 0.3e-3;                            // of an engraver's groove [m]
+  double half_angle_deg = 45.0;                     // of its cone
+  int passes = 1;                                   // to that depth, after a shallow one
+  double hardness = 1.0;                            // of the true material, over the believed one
+  double yaw_deg = 0.0;                             // of what is led, from the line
+  double trail = 0.0;                               // of its face behind the arm's axis [m]
+  Swivel swivel = Swivel::spot;
+};
+
+// Its heading is led along the lines (tool_fit.h).
+inline bool is_led(const ToolSettings& tool) {
+  return tool.kind == ToolKind::blade || tool.kind == ToolKind::roller;
+}
+
+// The pad of these settings, which lies level with E under `force` [N]; nothing for another tool.
+std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force);
+
+// The cutter of these settings in the believed material; nothing for another tool.
+std::optional<CutterSettings> cutter_of(const ToolSettings& tool);
+
+// Depths of an engraver's passes, the shallow one that finds the surface first [m].
+std::vector<double> depths_of(const ToolSettings& tool);
+
+struct CoverSettings {
+  std::filesystem::path
+      region;                   // an SVG whose filled areas are covered; empty: all that is reached
+  double overlap = 0.82;        // of neighbouring lines, as a share of the footprint's width
+  double direction_deg = 90.0;  // of the lines, from the drawing plane's x axis
+  double margin = 1e-3;         // that the footprint keeps from edges [m]
+  int passes = 1;
+};
+
+// The source of the controller's wrench, and the assumed properties of its sensor.
+enum class WrenchSource {
+  none,       // not measured
+  truth,      // the simulator's true wrench, one step old
+  sensor,     // a sensor with the errors of world.wrench_sensor, none by default
+  realistic,  // a sensor with the errors of a real one: WrenchSensorSettings::realistic()
+};
+
+inline bool has_sensor(WrenchSource source) {
+  return source == WrenchSource::sensor || source == WrenchSource::realistic;
+}
+
+// The controller's assumptions about the sensor and its tool.
+struct SensingSettings {
+  Tool tool{0.05,
+            {0.0, 0.0, 0.06},
+            Eigen::Vector3d(6e-5, 6e-5, 6.25e-7).asDiagonal()};  // the pen of models/
+  static constexpr double tip_distance =
+      0.12;                            // of the tip E from the sensor's origin, along the pen [m]
+  std::optional<double> sensor_delay;  // absent: the true delay [s]
+  static constexpr double tare_time = 0.4;  // [s]
+};
+
+// Estimator settings for the time step dt [s] and the given sensor.
+WrenchEstimatorSettings estimator_settings(const SensingSettings& sensing,
+                                           const WrenchSensorSettings& sensor, double dt,
+                                           double gravity);
 
 // Maps the drawing plane to the surface: by projection along the plane's normal, or by a wrap that
 // preserves lengths.
@@ -83,7 +174,7 @@ struct ArmSettings {
   std::filesystem::path urdf;  // empty: models/iiwa14_pen.urdf
   // As the controller's model has it, of all joints or of each; empty: what the URDF says [kg m²].
   std::vector<double> rotor_inertia;
-  // Springs in the joints and the arm's own torque loop, as the set-up knows them (spring_check.h):
+  // Springs in the joints and the arm's own torque loop, as the set-up knows them (experiment.cc):
   // of all joints or of each, empty: rigid [Nm/rad]; 0: no loop [rad/s].
   std::vector<double> joint_stiffness;
   double torque_bandwidth = 0.0;
@@ -216,7 +307,7 @@ struct ControlSettings : ImpedanceSettings {
   double torque_share = 1.0;       // of the arm's torque limits
   double torque_rate = 4000.0;     // of every joint [Nm/s]
   double joint_speed_share = 0.9;  // of the arm's joint speed limits
-  bool check_rotors = true;        // refuses what the law would not bear (rotor_check.h)
+  bool check_rotors = true;        // refuses what the law would not bear (experiment.cc)
   // Delay of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
   std::optional<double> torque_delay;
   // Stiffness of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.

@@ -13,7 +13,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/common/seeded_normals.h"
 #include "impedraw/run/simulated_arm.h"
 

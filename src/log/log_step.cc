@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "impedraw/common/rotations.h"
 #include "impedraw/ink/ink_lines.h"
 #include "impedraw/log/run_data.h"
 

@@ -47,10 +47,6 @@ void reserve(RunData* run, std::size_t n) {
 
 }  // namespace
 
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 void add_rows(const RunRows& rows, RunData* run) {
   const std::size_t n = rows.rows();
   if (n == 0) return;

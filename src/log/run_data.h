@@ -80,7 +80,4 @@ class RunRecorder {
 // complete in every dataset.
 RunData read_run(const std::filesystem::path& path);
 
-double angle_between(const Eigen::Vector3d& a,
-                     const Eigen::Vector3d& b);  // [rad], exact near 0 and π
-
 }  // namespace impedraw

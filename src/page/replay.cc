@@ -9,7 +9,7 @@
 #include "impedraw/common/pose.h"
 #include "impedraw/ink/segments.h"
 #include "impedraw/log/log.h"
-#include "impedraw/log/replay_rows.h"
+#include "impedraw/log/run_rows.h"
 #include "impedraw/metrics/statistics.h"
 #include "impedraw/page/page.h"
 #include "impedraw/page/page_json.h"

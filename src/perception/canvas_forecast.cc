@@ -10,7 +10,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 
 namespace impedraw {
 

@@ -11,7 +11,7 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/perception/repeated_motion.h"
 #include "impedraw/perception/rigid_fit.h"
 #include "impedraw/perception/rotation_coordinates.h"

@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "impedraw/common/counted_noise.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
+#include "impedraw/common/seeded_normals.h"
 
 namespace impedraw {
 namespace {

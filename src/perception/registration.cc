@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "impedraw/common/range_check.h"
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 
 namespace impedraw {
 

@@ -6,7 +6,6 @@
 #include <limits>
 #include <vector>
 
-#include "impedraw/common/counted_noise.h"
 #include "impedraw/common/seeded_normals.h"
 
 namespace impedraw {

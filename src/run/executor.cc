@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 
 namespace impedraw {
 namespace {

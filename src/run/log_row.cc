@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/run/run_folder.h"
 
 namespace impedraw {

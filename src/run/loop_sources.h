@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "impedraw/experiment/experiment.h"
-#include "impedraw/experiment/faults.h"
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/planning/path/tip_path.h"
 #include "impedraw/run/canvas_watch.h"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/simulation/describe_world.h"
 
 namespace impedraw {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "impedraw/experiment/led_heading.h"
+#include "impedraw/experiment/tool_fit.h"
 
 namespace impedraw {
 namespace {

@@ -21,7 +21,7 @@
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/exchange.h"
 #include "impedraw/common/seeded_normals.h"
-#include "impedraw/experiment/simulated_camera.h"
+#include "impedraw/experiment/snapshot.h"
 #include "impedraw/perception/canvas_tracker.h"
 #include "impedraw/simulation/world.h"
 

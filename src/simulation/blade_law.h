@@ -12,6 +12,9 @@
 // Coefficient  R of HDPE, cut: 4 kJ/m² (A. N. Gent, C. Wang, J. Polymer Science B 34, 1996)
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {
@@ -23,10 +26,36 @@ struct BladeSettings {
 
 // The line that this blade touches with, and which lies level with E under `force` [N]. radius:
 // half its length; 0: c/2 [m].
-PadSettings blade_edge(const BladeSettings& blade, double radius, double force);
+inline PadSettings blade_edge(const BladeSettings& s, double radius, double force) {
+  constexpr double kDamping = 4e-3;               // b/k [s]
+  constexpr double kDeeper = 4.0, kLeast = 5e-3;  // of the depth; [m]
+  PadSettings edge;
+  edge.face = PadFace::edge;
+  edge.radius = radius > 0.0 ? radius : 0.5 * force / s.toughness;
+  const double stiffness = s.toughness / std::tan(s.angle);  // [N/m]
+  edge.stiffness = stiffness / edge.area();
+  edge.damping = kDamping * edge.stiffness;
+  edge.friction = std::tan(s.angle);
+  edge.friction_across = 1.0 + edge.friction;
+  edge.rest = force / stiffness;
+  edge.thickness = std::max(kLeast, kDeeper * edge.rest);
+  return edge;
+}
 
 // The line on which a roller with the pad's foam stands, as long as the pad is wide. It rolls along
 // x_E with the foam's resistance alone, and slides across with the pad's friction.
-PadSettings roller_line(PadSettings pad, double trail, double force);
+inline PadSettings roller_line(PadSettings pad, double trail, double force) {
+  constexpr double kRolling = 0.02;  // resistance over force: rubber on a hard face
+  constexpr double kWidth = 0.02;    // of the strip that carries it, of a roller of 20 mm [m]
+  pad.face = PadFace::axle;
+  pad.friction_across = pad.friction;
+  pad.friction = kRolling;
+  pad.stiffness *= kWidth;
+  pad.damping *= kWidth;
+  pad.rest = force / (pad.stiffness * pad.area());
+  pad.thickness = std::max(pad.thickness, 2.0 * pad.rest);
+  pad.trail = trail;
+  return pad;
+}
 
 }  // namespace impedraw

@@ -7,6 +7,9 @@
 // friction stands beside it (ModelErrors).
 #pragma once
 
+#include <cmath>
+#include <numbers>
+
 #include "impedraw/control/arm_terms.h"
 #include "impedraw/simulation/world_settings.h"
 
@@ -21,10 +24,23 @@ class GearFriction {
   bool acts() const { return coulomb_.maxCoeff() > 0.0 || errors_.load_friction > 0.0; }
 
   JointVector most(const JointVector& v, const JointVector& q,
-                   const JointVector& load) const noexcept;
+                   const JointVector& load) const noexcept {
+    if (errors_.stiction == 1.0 && errors_.load_friction == 0.0 && errors_.friction_ripple == 0.0)
+      return coulomb_;
+    JointVector f = coulomb_ + errors_.load_friction * load.cwiseAbs();
+    for (Eigen::Index j = 0; j < f.size(); ++j) {
+      const double slow = v[j] / errors_.stribeck_speed;
+      f[j] *=
+          (1.0 + (errors_.stiction - 1.0) * std::exp(-slow * slow)) *
+          (1.0 + errors_.friction_ripple * std::sin(ModelErrors::kRipplePeriods * q[j] + phase(j)));
+    }
+    return f;
+  }
 
   // φ_j: unlike that of the torque's ripple (joint_drive.cc).
-  static double phase(Eigen::Index j);
+  static double phase(Eigen::Index j) {
+    return 2.0 * std::numbers::pi * 0.618034 * static_cast<double>(j + 1);
+  }
 
  private:
   ModelErrors errors_;

@@ -9,7 +9,6 @@
 
 #include "../scratch_folder.h"
 #include "impedraw/capture/capture_cloud.h"
-#include "impedraw/capture/png_image.h"
 #include "impedraw/common/errors.h"
 
 namespace impedraw {

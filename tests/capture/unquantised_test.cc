@@ -1,5 +1,5 @@
 // Depth images of a ball and of a plane in closed form, rounded to millimetres.
-#include "impedraw/capture/unquantised.h"
+#include "impedraw/capture/clean_view.h"
 
 #include <cmath>
 #include <functional>

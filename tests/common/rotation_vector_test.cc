@@ -1,4 +1,4 @@
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 
 #include <random>
 

@@ -1,4 +1,4 @@
-#include "impedraw/drawing/flatten.h"
+#include "impedraw/drawing/svg_subpaths.h"
 
 #include <numbers>
 #include <random>

@@ -1,4 +1,4 @@
-#include "impedraw/drawing/joined.h"
+#include "impedraw/drawing/simplify.h"
 
 #include <gtest/gtest.h>
 

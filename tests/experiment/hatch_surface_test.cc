@@ -1,5 +1,5 @@
 // Distances between hatch lines, measured on surfaces in closed form.
-#include "impedraw/experiment/hatch_surface.h"
+#include "impedraw/experiment/artwork.h"
 
 #include <algorithm>
 #include <cmath>

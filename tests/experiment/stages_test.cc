@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/common/roll_pitch_yaw.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/experiment/prepare.h"

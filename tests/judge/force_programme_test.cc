@@ -8,7 +8,7 @@
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/errors.h"
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/judge/force_case.h"
 #include "impedraw/judge/force_trial.h"
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/simulation/canvas_motion.h"
 
 namespace impedraw {

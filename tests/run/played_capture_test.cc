@@ -18,7 +18,7 @@
 #include <Eigen/Geometry>
 
 #include "drawn_scenario.h"
-#include "impedraw/capture/png_image.h"
+#include "impedraw/capture/capture.h"
 #include "impedraw/common/errors.h"
 #include "scratch_folder.h"
 

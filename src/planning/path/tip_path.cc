@@ -9,11 +9,6 @@ namespace impedraw {
 
 using Eigen::Vector3d;
 
-const char* name_of(Phase phase) noexcept {
-  constexpr const char* kNames[] = {"travel", "approach", "draw", "lift", "done"};
-  return kNames[static_cast<int>(phase)];
-}
-
 PathMove move_between(const Vector3d& from, const Vector3d& to, SpeedSpan limits) {
   const Vector3d way = to - from;
   limits.length = way.norm();

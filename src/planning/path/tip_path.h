@@ -37,7 +37,6 @@
 namespace impedraw {
 
 enum class Phase : std::uint8_t { travel, approach, draw, lift, done };
-const char* name_of(Phase phase) noexcept;
 
 struct PathSample {
   TipReference reference;

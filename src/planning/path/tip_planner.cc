@@ -12,7 +12,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/in_parallel.h"
 #include "impedraw/common/range_check.h"
-#include "impedraw/common/rotation_vector.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/planning/describe_path.h"
 #include "impedraw/planning/path/stroke_fit.h"
 

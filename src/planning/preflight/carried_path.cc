@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "impedraw/arm/least_energy_step.h"
-#include "impedraw/common/angle.h"
+#include "impedraw/common/rotations.h"
 #include "impedraw/planning/preflight/posture_check.h"
 
 namespace impedraw {

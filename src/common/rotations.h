@@ -1,3 +1,4 @@
+// Rotations: angles between vectors, rotation vectors, roll, pitch and yaw.
 #pragma once
 
 #include <cmath>
@@ -7,6 +8,12 @@
 #include <Eigen/Geometry>
 
 namespace impedraw {
+
+// 0 … π [rad], of any lengths above 0. Exact for small angles and near π, where acos of the cosine
+// is not.
+inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
 
 // The rotation by |φ| about φ.
 inline Eigen::Matrix3d rotation(const Eigen::Vector3d& phi) {
@@ -28,6 +35,15 @@ inline Eigen::Quaterniond turn_between(const Eigen::Vector3d& a, const Eigen::Ve
   turn.vec() = from.cross(to) * inverse;
   turn.w() = 0.5 * s;
   return turn;
+}
+
+// Rz(yaw) Ry(pitch) Rx(roll), from (roll, pitch, yaw) in degrees: rotations about the fixed axes x,
+// then y, then z.
+inline Eigen::Quaterniond rotation_from_roll_pitch_yaw(const Eigen::Vector3d& rpy_deg) {
+  const Eigen::Vector3d angle = rpy_deg * std::numbers::pi / 180.0;
+  return Eigen::AngleAxisd(angle.z(), Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(angle.y(), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(angle.x(), Eigen::Vector3d::UnitX());
 }
 
 }  // namespace impedraw
