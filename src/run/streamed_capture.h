@@ -34,7 +34,7 @@ namespace impedraw {
 // canvas is found by its shape. A view that cannot be read is left out.
 
 // The standing cameras of a capture, by number. Makes frames of their images: depths are cleaned
-// (capture/clean_view.h) and rectified (capture/rectified.h) to perception.frames.width × height.
+// (capture/clean_view.h) and rectified (capture/lens.h) to perception.frames.width × height.
 class CaptureCameras {
  public:
   // corrections: Belief's, of the views.

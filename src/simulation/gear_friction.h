@@ -37,7 +37,7 @@ class GearFriction {
     return f;
   }
 
-  // φ_j: unlike that of the torque's ripple (joint_drive.cc).
+  // φ_j: unlike that of the torque's ripple (joint_drive.h).
   static double phase(Eigen::Index j) {
     return 2.0 * std::numbers::pi * 0.618034 * static_cast<double>(j + 1);
   }

@@ -1,4 +1,4 @@
-"""Flattens a triangle mesh with as little stretch as possible. flatten_patch.cc calls it with two files.
+"""Flattens a triangle mesh with as little stretch as possible. wrap.cc calls it with two files.
 
 In:  int64 [vertices, triangles, pinned vertex], float64 vertices × 3 [m], int64 triangles × 3
 Out: float64 vertices × 2 [m], the pinned vertex at the origin; how it is turned means nothing
