@@ -72,8 +72,8 @@ void describe(Fields& f, FrameSettings& s) {
   f.field("grow_surface", s.grow_surface,
           "Depths improve the surface under the pen; off: it stays as the snapshot saw it.");
   f.constant("region_of_interest", true);
-  f.field("width", s.width, {16, 4096}, "px", "Width of a frame.");
-  f.field("height", s.height, {16, 4096}, "px", "Height of a frame.");
+  f.constant("width", s.width, Range::any(), "px");
+  f.constant("height", s.height, Range::any(), "px");
 }
 
 void describe(Fields& f, Fiducial& s) {
