@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "impedraw/run/monitors/block_monitor.h"
 #include "impedraw/run/monitors/canvas_monitor.h"
 #include "impedraw/run/monitors/dead_wrench_monitor.h"
 #include "impedraw/run/monitors/range_monitor.h"
@@ -16,6 +17,7 @@
 #include "impedraw/run/monitors/tare_monitor.h"
 #include "impedraw/run/reaction.h"
 #include "made_up_cycle.h"
+#include "prepared.h"
 
 namespace impedraw {
 namespace {
@@ -31,6 +33,25 @@ int cycles_until(Judge&& judge, Verdict* said) {
     if (*said) return n;
   }
   return -1;
+}
+
+// A pad that slid off its line was sent back to before the place that held it, time and again.
+TEST(BlockMonitor, APlaceBeginsWhereTheTipIs) {
+  const Prepared e = prepared("bowl-sine");
+  BlockMonitor monitor(e);
+  ASSERT_TRUE(monitor.feels());
+  MadeUpCycle made;
+  made.out.mode = ContactMode::contact;
+  made.out.n_WD = Eigen::Vector3d::UnitZ();
+  made.out.p_WD = made.arm.X_WE.p + Eigen::Vector3d(0.02, 0.0, 0.005);
+  made.desired.stroke = 0;
+  made.desired.along = 0.178;
+  made.state.shaft_touches = true;
+  std::optional<StrokePart> place;
+  ASSERT_TRUE(monitor.judge(made.next(), e.plan.path, 0.0, false, &place));
+  ASSERT_TRUE(place);
+  EXPECT_NEAR(place->from, 0.158, 1e-12);
+  EXPECT_NEAR(place->to, 0.178, 1e-12);
 }
 
 TEST(StateMonitor, EndsARunWithoutAUsableStateForItsTime) {
