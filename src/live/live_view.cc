@@ -149,6 +149,7 @@ RunHooks LiveView::hooks() {
     hooks.paused = [this] { return server_->paused(); };
     hooks.pause = [this](const std::string&) { server_->pause(); };
     hooks.emergency = [this] { return server_->emergency(); };
+    hooks.ended = [this] { server_->ending(); };
   }
   if (!server_ && options_.pace <= 0.0) return hooks;
   hooks.go_on = [this] {

@@ -9,7 +9,9 @@
 
 #include "allocations.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/live/live_view.h"
 #include "live/socket_client.h"
+#include "run/prepared.h"
 
 namespace impedraw {
 namespace {
@@ -214,6 +216,29 @@ TEST_F(LiveServerTest, TheReportReachesWhoWatches) {
   viewer.join();
   EXPECT_EQ(report.size(), data.size());
   EXPECT_TRUE(report == data);  // not printed: it is long
+}
+
+// The run's hooks said so to nobody.
+TEST(LiveView, TellsWhoWatchesThatTheReportIsBeingMade) {
+  const Prepared e = prepared("bowl-sine");
+  LiveView view({.show = true});
+  view.begin(e, "");
+  SocketClient client(view.server()->port());
+  const std::string address = view.address(),
+                    host = fmt::format("127.0.0.1:{}", view.server()->port());
+  ASSERT_EQ(client.upgrade("/live?token=" + address.substr(address.find("token=") + 6), host,
+                           "http://" + host),
+            101);
+  const RunHooks hooks = view.hooks();
+  ASSERT_TRUE(hooks.ended);
+  hooks.ended();
+  bool told = false;
+  for (int i = 0; i < 50 && !told; ++i) {
+    const auto frame = client.next();
+    if (!frame || frame->opcode < 0) break;
+    told = frame->payload.find(R"("state": "ending")") != std::string::npos;
+  }
+  EXPECT_TRUE(told);
 }
 
 TEST_F(LiveServerTest, WhoLeavesChangesNothing) {
