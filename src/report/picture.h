@@ -51,7 +51,7 @@ struct PictureSettings {
 // Writes `stem`.svg and `stem`.png. Holds copies of all that it draws. Throws std::runtime_error
 // naming the file if it cannot be written.
 struct Picture {
-  std::function<void(const std::filesystem::path&stem)> write_svg, write_png;
+  std::function<void(const std::filesystem::path&)> write_svg, write_png;  // given the stem
   void write(const std::filesystem::path& stem) const {
     write_svg(stem);
     write_png(stem);

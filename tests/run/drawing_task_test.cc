@@ -110,21 +110,27 @@ TEST(StandingDrawing, LeavesAGapToWhichNoWayLeads) {
   EXPECT_FALSE(drawing.record().walls.empty());
 }
 
+// A pen that is blocked in the middle of the stroke, with ink from `from` on, as a share of it.
+Move goes_around(StandingDrawing* drawing, MadeUpPen* pen, double length, double from) {
+  drawing->next(pen->now());
+  const double at = 0.5 * length;
+  pen->inks(0, from * length, at - BlockedPlaces::kBefore);
+  pen->last.blocked = StrokePart{0, at, at};
+  Move around = drawing->next(pen->now());
+  pen->inks(0, at + BlockedPlaces::kBeyond, length);
+  pen->last = {};
+  return around;
+}
+
 TEST(StandingDrawing, GoesOnBehindABlockedPlaceAndDoesNotDrawItAgain) {
   Experiment e = prepared("bowl-sine");
   StandingDrawing drawing(e, e.plan.path);
   MadeUpPen pen(e);
-  drawing.next(pen.now());
-  const double length = plane_length(e.plan.strokes[0]), at = 0.5 * length;
-  pen.inks(0, 0.0, at - BlockedPlaces::kBefore);
-  pen.last.blocked = StrokePart{0, at, at};
-  const Move around = drawing.next(pen.now());
+  const Move around = goes_around(&drawing, &pen, plane_length(e.plan.strokes[0]), 0.0);
   ASSERT_EQ(around.kind, Move::Kind::draw);
   EXPECT_FALSE(around.again);
   ASSERT_EQ(around.path.strokes().size(), 1u);
   EXPECT_LT(around.path.strokes()[0].length, 1.5 * e.plan.path.strokes()[0].length / 2.0);
-  pen.inks(0, at + BlockedPlaces::kBeyond, length);
-  pen.last = {};
   EXPECT_EQ(drawing.next(pen.now()).kind, Move::Kind::end);
   ASSERT_EQ(drawing.record().walls.size(), 1u);
 }
@@ -135,14 +141,9 @@ TEST(StandingDrawing, LeavesWhatItPassedForTheEnd) {
   Experiment e = prepared("bowl-sine");
   StandingDrawing drawing(e, e.plan.path);
   MadeUpPen pen(e);
-  drawing.next(pen.now());
-  const double length = plane_length(e.plan.strokes[0]), at = 0.5 * length;
-  pen.inks(0, 0.1 * length, at - BlockedPlaces::kBefore);
-  pen.last.blocked = StrokePart{0, at, at};
-  const Move around = drawing.next(pen.now());
+  const double length = plane_length(e.plan.strokes[0]);
+  const Move around = goes_around(&drawing, &pen, length, 0.1);
   EXPECT_EQ(around.path.strokes().size(), 1u);
-  pen.inks(0, at + BlockedPlaces::kBeyond, length);
-  pen.last = {};
   const Move again = drawing.next(pen.now());
   EXPECT_TRUE(again.again);
   ASSERT_EQ(drawing.record().drawn_again.size(), 1u);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 
@@ -316,26 +317,35 @@ std::vector<Eigen::Vector2d> rounded(const Line& line, double step) {
   return out;
 }
 
+namespace {
+
+void at_each_millimetre(const std::vector<Line>& lines,
+                        const std::function<void(const Eigen::Vector2d&)>& visit) {
+  for (const Line& line : lines)
+    for (const Eigen::Vector2d& p : line.size() > 1 ? resampled(line, 1e-3) : line) visit(p);
+}
+
+}  // namespace
+
 std::vector<char> swept(const SurfaceGrid& g, const std::vector<Line>& lines, double radius) {
   std::vector<char> places(g.size(), 0);
-  for (const Line& line : lines)
-    for (const Eigen::Vector2d& p : line.size() > 1 ? resampled(line, 1e-3) : line)
-      around(g, g.lifted(p), radius, [&](std::size_t v) { places[v] = 1; });
+  at_each_millimetre(lines, [&](const Eigen::Vector2d& p) {
+    around(g, g.lifted(p), radius, [&](std::size_t v) { places[v] = 1; });
+  });
   return places;
 }
 
 std::vector<char> surely_pressed(const SurfaceGrid& g, const std::vector<Line>& lines,
                                  const PressedFeet& feet) {
   std::vector<char> places(g.size(), 0);
-  for (const Line& line : lines)
-    for (const Eigen::Vector2d& p : line.size() > 1 ? resampled(line, 1e-3) : line) {
-      const PressedFoot pressed = feet.at(g, p);
-      const Eigen::Vector3d centre = g.lifted(p);
-      around(g, centre, feet.foot().radius - kAstray, [&](std::size_t v) {
-        const Eigen::Vector3d at = g.point(v);
-        if (!places[v]) places[v] = pressed.depth(at) > kLean * (at - centre).norm();
-      });
-    }
+  at_each_millimetre(lines, [&](const Eigen::Vector2d& p) {
+    const PressedFoot pressed = feet.at(g, p);
+    const Eigen::Vector3d centre = g.lifted(p);
+    around(g, centre, feet.foot().radius - kAstray, [&](std::size_t v) {
+      const Eigen::Vector3d at = g.point(v);
+      if (!places[v]) places[v] = pressed.depth(at) > kLean * (at - centre).norm();
+    });
+  });
   return places;
 }
 

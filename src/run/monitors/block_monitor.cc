@@ -10,6 +10,14 @@ namespace {
 constexpr double kAside = 1.0e-3;  // [m]
 // Of the force across the normal, over what the law expects.
 constexpr double kSpread = 1.3;
+
+// The place that holds the tip, from where it is to where the plan is.
+std::optional<StrokePart> place_of_tip(const Cycle& cycle, const TipPath& path, double planned,
+                                       bool ahead) {
+  std::optional<StrokePart> place = place_on_path(cycle.desired, path, planned, ahead);
+  if (place && cycle.desired.stroke >= 0) place->from -= cycle.behind().norm();
+  return place;
+}
 }  // namespace
 
 std::optional<StrokePart> place_on_path(const PathSample& desired, const TipPath& path,
@@ -54,9 +62,7 @@ Verdict BlockMonitor::judge(const Cycle& cycle, const TipPath& path, double plan
   const bool aside = down && side_.update(out.n_WD, f, cycle.dt);
   const bool lost = lost_surface(cycle), shaft = cycle.state->shaft_touches;
   if (sunk || aside || lost || unseen || shaft) {
-    *place = place_on_path(desired, path, planned, shaft);
-    // The tip may be where the plan was some time ago.
-    if (*place && desired.stroke >= 0) (*place)->from -= cycle.behind().norm();
+    *place = place_of_tip(cycle, path, planned, shaft);
     if (*place && sunk && (*place)->stroke == touched_.stroke)
       (*place)->from = std::min((*place)->from, touched_.from);
     if (aside && side_.caught())  // out from beneath what holds it
@@ -68,9 +74,9 @@ Verdict BlockMonitor::judge(const Cycle& cycle, const TipPath& path, double plan
     return {};
   }
   const Eigen::Vector3d v_D = cycle.canvas.pose().R * desired.reference.v_WD;
-  const Eigen::Vector3d behind = cycle.behind();
-  if (!wall_.update(out.n_WD, v_D, cycle.velocity_on_canvas(), behind, f, cycle.dt)) return {};
-  *place = StrokePart{desired.stroke, desired.along - behind.norm(), desired.along};
+  if (!wall_.update(out.n_WD, v_D, cycle.velocity_on_canvas(), cycle.behind(), f, cycle.dt))
+    return {};
+  *place = place_of_tip(cycle, path, planned, false);
   return blocked;
 }
 
