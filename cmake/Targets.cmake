@@ -1,4 +1,4 @@
-# impedraw_library(NAME SOURCES … UNSHARED … LINKS … PRIVATE_LINKS … BLIND_TO …): a folder of src as impedraw::NAME.
+# impedraw_library(NAME SOURCES … LINKS … PRIVATE_LINKS … BLIND_TO …): a folder of src as impedraw::NAME.
 # BLIND_TO: libraries whose headers none of its files may include, though others that it links do.
 # Headers are included as #include "impedraw/control/impedance.h", in the tree as in an installed
 # copy: include/impedraw is a link to src, which a source distribution lacks.
@@ -14,7 +14,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_G
 endif()
 
 function(impedraw_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;UNSHARED;LINKS;PRIVATE_LINKS;BLIND_TO" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS;BLIND_TO" ${ARGN})
   if(ARG_SOURCES)
     add_library(impedraw_${name} STATIC ${ARG_SOURCES})
     set(scope PUBLIC)
@@ -30,14 +30,14 @@ function(impedraw_library name)
   target_include_directories(impedraw_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
   target_link_libraries(impedraw_${name} ${scope} ${ARG_LINKS})
   # Many small units share their headers and Eigen's templates: together they compile in less than half
-  # the time. control and sensing stay apart: a change there is built at once. Names in unnamed
-  # namespaces are therefore unique within a folder; UNSHARED names the sources that are compiled alone.
-  if(ARG_SOURCES AND NOT name MATCHES "^(control|sensing|arm)$")
-    impedraw_compile_together(impedraw_${name} 9 ${ARG_UNSHARED})
+  # the time. Names in unnamed namespaces are therefore unique within a folder. More than fourteen at a
+  # time take more memory, and are hardly faster.
+  if(ARG_SOURCES)
+    impedraw_compile_together(impedraw_${name} 14)
   endif()
   # What runs once in a call, and waits for files and processes, is not worth the optimiser's time.
   set(headers library)
-  if(ARG_SOURCES AND name MATCHES "^(settings|terminal|files|app)$")
+  if(ARG_SOURCES AND name MATCHES "^(settings|terminal|files|live|app)$")
     target_compile_options(impedraw_${name} PRIVATE ${IMPEDRAW_LESS_OPTIMISED})
     set(headers less_optimised)
   endif()

@@ -276,7 +276,7 @@ is_built() {
   [[ -z $(find "${sources[@]}" "${more[@]}" -newer "$marker" -print -quit 2>/dev/null) ]]
 }
 
-# Build jobs, limited by cores and memory: a unit that includes Pinocchio takes about 1.5 GB.
+# Build jobs, limited by cores and memory: the largest unit takes about 1.9 GB, most half of it.
 jobs() {
   [[ ${CMAKE_BUILD_PARALLEL_LEVEL-} =~ ^[1-9][0-9]*$ ]] && { echo "$CMAKE_BUILD_PARALLEL_LEVEL"; return; }
   local cores fit limit

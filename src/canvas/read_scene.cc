@@ -26,7 +26,7 @@ namespace impedraw {
 namespace {
 
 constexpr std::size_t kMostBeside = std::size_t{1} << 30;  // [bytes] of each file that it names
-constexpr std::size_t kMostCorners = 60'000'000;           // of all instances of its meshes
+constexpr std::size_t kMostCornersOfAll = 60'000'000;      // of all instances of its meshes
 
 // The file itself, from memory, and those that it names in its folder or below.
 class SceneFiles : public Assimp::IOSystem {
@@ -186,8 +186,9 @@ void add_node(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& a
       }
       mesh->ends.push_back(mesh->corners.size());
     }
-    if (std::max(mesh->vertices.size(), mesh->corners.size()) > kMostCorners)
-      throw InputError(fmt::format("has more than {} corners: decimate the mesh", kMostCorners));
+    if (std::max(mesh->vertices.size(), mesh->corners.size()) > kMostCornersOfAll)
+      throw InputError(
+          fmt::format("has more than {} corners: decimate the mesh", kMostCornersOfAll));
   }
   for (unsigned c = 0; c < node.mNumChildren; ++c) add_node(scene, *node.mChildren[c], X, mesh);
 }

@@ -15,8 +15,8 @@ namespace {
 using Eigen::Vector2d;
 using Line = std::vector<Vector2d>;
 
-constexpr double kGap = 2;   // between a letter and its mark [grid]
-constexpr double kBend = 4;  // half the width of most marks
+constexpr double kGap = 2;       // between a letter and its mark [grid]
+constexpr double kHalfMark = 4;  // half the width of most marks
 
 enum class Mark {
   acute,
@@ -134,9 +134,9 @@ std::vector<Line> above(Mark mark) {
     case Mark::grave:
       return {{{2, 0}, {-2, -4}}};
     case Mark::circumflex:
-      return {{{-kBend, 0}, {0, -4}, {kBend, 0}}};
+      return {{{-kHalfMark, 0}, {0, -4}, {kHalfMark, 0}}};
     case Mark::caron:
-      return {{{-kBend, -4}, {0, 0}, {kBend, -4}}};
+      return {{{-kHalfMark, -4}, {0, 0}, {kHalfMark, -4}}};
     case Mark::diaeresis:
       return {circle({-3.5, -1}, 1), circle({3.5, -1}, 1)};
     case Mark::dot:
@@ -146,9 +146,9 @@ std::vector<Line> above(Mark mark) {
     case Mark::ring:
       return {circle({0, -2.5}, 2.5)};
     case Mark::macron:
-      return {{{-kBend, -1}, {kBend, -1}}};
+      return {{{-kHalfMark, -1}, {kHalfMark, -1}}};
     case Mark::breve:
-      return {{{-kBend, -4}, {-3, -1}, {-1, 0}, {1, 0}, {3, -1}, {kBend, -4}}};
+      return {{{-kHalfMark, -4}, {-3, -1}, {-1, 0}, {1, 0}, {3, -1}, {kHalfMark, -4}}};
     case Mark::double_acute:
       return {{{-4, 0}, {-1, -4}}, {{1, 0}, {4, -4}}};
     default:

@@ -18,14 +18,14 @@ namespace {
 
 using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
-constexpr double kHair = 3e-6;            // width of a border, relative to the drawing's diagonal
-constexpr double kCrossing = 1.0 / 300;   // of the diagonal: hidden by a stroke that it crosses
-constexpr double kReach = 2.5;            // of a blur, in deviations
-constexpr double kSeam = 10;              // hairs beside an edge, where its colours are compared
-constexpr double kSame = 12.0 / 255;      // change of a channel that is no line
-constexpr double kHairline = 30.0 / 255;  // of a screen's hairline between areas side by side
-constexpr double kUpright = 1e-4;         // direction of an edge that may lie between pixels
-constexpr double kLook = 1.0 / 1000;      // of the diagonal: between places that are compared
+constexpr double kHair = 3e-6;              // width of a border, relative to the drawing's diagonal
+constexpr double kCrossing = 1.0 / 300;     // of the diagonal: hidden by a stroke that it crosses
+constexpr double kReach = 2.5;              // of a blur, in deviations
+constexpr double kSeam = 10;                // hairs beside an edge, where its colours are compared
+constexpr double kSameColour = 12.0 / 255;  // change of a channel that is no line
+constexpr double kHairline = 30.0 / 255;    // of a screen's hairline between areas side by side
+constexpr double kUpright = 1e-4;           // direction of an edge that may lie between pixels
+constexpr double kLook = 1.0 / 1000;        // of the diagonal: between places that are compared
 constexpr std::size_t kMostCovering = 100'000;    // points of strokes that hide others
 constexpr std::size_t kMostCompared = 2'000'000;  // points of strokes over the paints
 constexpr std::size_t kMostRims = 64;             // strokes over one paint that leave it a rim
@@ -316,7 +316,7 @@ class Eye {
         const Vector2d side = beside * Vector2d(-along.y(), along.x());
         const Vector2d near = (kSeam * hair_ / beside) * side;
         auto ink_a = stroke.edge ? std::nullopt : at(p + near, true);
-        if (ink_a && colours_.is_unlike_all(*ink_a, stroke.colour, kSame)) return true;
+        if (ink_a && colours_.is_unlike_all(*ink_a, stroke.colour, kSameColour)) return true;
         const auto a = at(p + side, false), b = at(p - side, false);
         if (stroke.edge) ink_a = b;
         const auto ink_b = stroke.edge ? a : at(p - near, true);
@@ -324,7 +324,7 @@ class Eye {
         const auto differ = [](const Tint& one, const Tint& other, double least) {
           return ((one - other).abs() >= least).any();
         };
-        if (differ(*ink_a, *a, kSame) || differ(*ink_b, *b, kSame)) return true;
+        if (differ(*ink_a, *a, kSameColour) || differ(*ink_b, *b, kSameColour)) return true;
         if (!stroke.edge || along.cwiseAbs().minCoeff() < kUpright) return false;
         const auto between = colours_.at(p, -1, 0, false, 2.5 * side);
         return !between || differ(*between, *a, kHairline);

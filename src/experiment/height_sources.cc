@@ -131,7 +131,7 @@ class TopSheet {
 // kConverged leaves less than a thousandth of itself.
 template <class Surface>
 SurfaceHeight::Sample descend(const Surface& surface, const Pose& X_WP, Eigen::Vector3d p) {
-  constexpr double kConverged = 5e-6, kSettled = 5e-4;  // [m]
+  constexpr double kConverged = 5e-6, kNear = 5e-4;  // [m]
   double step = std::numeric_limits<double>::infinity();
   Eigen::Vector3d n;
   for (int i = 0; i < 12 && std::abs(step) > kConverged; ++i) {
@@ -141,7 +141,7 @@ SurfaceHeight::Sample descend(const Surface& surface, const Pose& X_WP, Eigen::V
     step = estimate.distance / n.z();
     p.z() -= step;
   }
-  if (std::abs(step) > kSettled) return std::nullopt;
+  if (std::abs(step) > kNear) return std::nullopt;
   return SurfaceSample{p, n};
 }
 

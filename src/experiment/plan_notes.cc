@@ -109,7 +109,7 @@ namespace {
 
 constexpr double kCalm = 6e-5;          // RMS residual [m]
 constexpr double kLeastSpacing = 2e-3;  // of the places, at least [m]
-constexpr double kMostPlaces = 500;
+constexpr double kMostTried = 500;
 
 // Calls visit with the surface at places along the strokes, evenly spaced.
 template <class Visit>
@@ -117,7 +117,7 @@ void look_along(const std::vector<PlacedStroke>& strokes, const SurfaceHeight& s
                 const Visit& visit) {
   double length = 0.0;
   for (const PlacedStroke& stroke : strokes) length += StrokeRuler(stroke).length();
-  const double spacing = std::max(kLeastSpacing, length / kMostPlaces);
+  const double spacing = std::max(kLeastSpacing, length / kMostTried);
   SurfaceHeight::Sample last;
   for (const PlacedStroke& stroke : strokes) {
     const StrokeRuler ruler(stroke);

@@ -53,19 +53,19 @@ std::vector<double> turned_too_far(const PlacedStroke& stroke, const ToolHeading
 
 // The angle by which the arm can turn the tool about n in one direction, from q [rad].
 double turn_range(ArmModel* arm, const JointVector& q_0, double way, double margin) {
-  constexpr double kStep = 0.05, kMost = 4.0 * std::numbers::pi, kJump = 0.5;
+  constexpr double kYawStep = 0.05, kMost = 4.0 * std::numbers::pi, kYawJump = 0.5;
   const Pose X_WE = arm->tip_pose(q_0);
   const Eigen::Vector3d n = -X_WE.R.col(2);
   IkSettings ik;
   ik.position_tolerance = ik.axis_tolerance = 1e-5;
   ik.max_steps = 40;
   JointVector q = q_0;
-  for (double turned = 0.0; turned < kMost; turned += kStep) {
-    const Eigen::Vector3d x = turned_about(n, X_WE.R.col(0), way * (turned + kStep));
+  for (double turned = 0.0; turned < kMost; turned += kYawStep) {
+    const Eigen::Vector3d x = turned_about(n, X_WE.R.col(0), way * (turned + kYawStep));
     const IkResult found = find_posture(*arm, {X_WE.p, -n, x}, q, ik);
     const double room = std::min((found.q - arm->limits().lower).minCoeff(),
                                  (arm->limits().upper - found.q).minCoeff());
-    if (!found.reached || room < margin || (found.q - q).cwiseAbs().maxCoeff() > kJump)
+    if (!found.reached || room < margin || (found.q - q).cwiseAbs().maxCoeff() > kYawJump)
       return turned;
     q = found.q;
   }

@@ -8,8 +8,8 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kBetweenPieces = 1.0 / 60.0;          // half of a usual frame's time [s]
-constexpr std::size_t kFewestOfAll = 60, kFewest = 4;  // samples; of a pattern
+constexpr double kBetweenPieces = 1.0 / 60.0;                   // half of a usual frame's time [s]
+constexpr std::size_t kFewestOfAll = 60, kFewestOfPattern = 4;  // samples; of a pattern
 constexpr double kMoves = 10.0;     // range of the samples in σ from which on there is a motion
 constexpr double kUnlikely = 1e-9;  // share of the weights so far that counts no more
 
@@ -27,7 +27,7 @@ std::optional<AxisPolynomial> RepeatedMotion::predict(std::span<const AxisSample
   const double now = all.back().time;
   std::size_t n = 1;
   while (n < all.size() && all[all.size() - 1 - n].time >= now - kPattern) ++n;
-  if (n < kFewest) return std::nullopt;
+  if (n < kFewestOfPattern) return std::nullopt;
   const std::span<const AxisSample> pattern = all.last(n);
   double mean = 0.0, variance = 0.0, spread = 0.0;  // spread: Σ (x − x̄)²
   for (const AxisSample& s : pattern) {

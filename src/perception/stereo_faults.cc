@@ -19,7 +19,7 @@ constexpr double kPrincipal = 0.71 / 554.0;  // of 640 px that see 60° [rad]
 constexpr double kDisparityStep = 1.0 / 32.0, kFocalTimesBaseline = 421.0 * 0.05;  // [px], [px m]
 constexpr double kCorrelation = 1.5;                                               // [px]
 constexpr double kSteep = 3.73, kSteepLost = 0.7, kLost = 0.01;                    // tan 75°
-constexpr double kStep = 0.02, kFlying = 0.7;                                      // [m]
+constexpr double kFlyingStep = 0.02, kFlying = 0.7;                                // [m]
 
 // Gaussian noise of unit variance over a box of pixels, smoothed along rows and columns.
 class SmoothNoise {
@@ -140,7 +140,7 @@ void StereoFaults::disturb(double sigma_at_1m, std::uint64_t seed, const PixelBo
       const double slope =
           std::hypot(std::isfinite(left) ? z - left : 0.0, std::isfinite(above) ? z - above : 0.0);
       const bool steep = slope > kSteep * z / f;
-      const bool flies = std::abs(z - left) > kStep && chance(1) < factor_ * kFlying;
+      const bool flies = std::abs(z - left) > kFlyingStep && chance(1) < factor_ * kFlying;
       if (chance(2) < factor_ * kLost || (steep && !flies && chance(3) < factor_ * kSteepLost)) {
         measured = std::numeric_limits<double>::quiet_NaN();
         continue;

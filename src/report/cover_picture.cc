@@ -12,11 +12,11 @@
 namespace impedraw {
 namespace {
 
-constexpr Colour kText{0.13, 0.15, 0.18}, kFaint{0.42, 0.45, 0.50}, kOutside{1.0, 1.0, 1.0};
+constexpr Colour kOutside{1.0, 1.0, 1.0};
 constexpr Colour kNotPromised{0.83, 0.84, 0.86}, kOnce{0.45, 0.72, 0.55}, kTwice{0.13, 0.45, 0.33},
     kMissed{0.85, 0.16, 0.16};
 constexpr double kFont = 5.0, kGap = 8.0, kTop = 24.0, kBelow = 18.0, kMargin = 5.0;  // [mm]
-constexpr int kWidth = 1600;                                                          // [px]
+constexpr int kPictureWidth = 1600;                                                   // [px]
 
 // Blue for too little, white for the mean, red for too much, to ± one half.
 Colour of_dose(double dose) {
@@ -69,7 +69,7 @@ double entry(cairo_t* cr, double x, double y, const Colour& colour, const std::s
   set_colour(cr, colour);
   cairo_rectangle(cr, x, y - 0.75 * kFont, kFont, kFont);
   cairo_fill(cr);
-  set_colour(cr, kFaint);
+  set_colour(cr, kFaintColour);
   const double at = x + 1.4 * kFont;
   return at + write_words(cr, at, y, text, 0.85 * kFont) + kFont;
 }
@@ -82,12 +82,12 @@ void write_cover(const CoverPicture& p, const std::filesystem::path& stem) {
                height = 1e3 * p.step * (box.sizes().x() + 1);
   const double least = 150.0, panel = std::max(width, least);
   const Eigen::Vector2d size(2.0 * panel + 3.0 * kGap, height + kTop + kBelow);
-  write_svg_and_png(stem, size, kWidth, [&](cairo_t* cr) {
+  write_svg_and_png(stem, size, kPictureWidth, [&](cairo_t* cr) {
     set_colour(cr, kOutside);
     cairo_paint(cr);
-    set_colour(cr, kText);
+    set_colour(cr, kTextColour);
     write_words(cr, kGap, 1.6 * kFont, p.title, 1.2 * kFont, true);
-    set_colour(cr, kFaint);
+    set_colour(cr, kFaintColour);
     write_words(cr, kGap, 3.0 * kFont,
                 fmt::format("{}; {:.0f} × {:.0f} mm are shown", p.subtitle, width, height),
                 0.85 * kFont);

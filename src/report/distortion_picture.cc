@@ -16,8 +16,7 @@ namespace impedraw {
 namespace {
 
 using Eigen::Vector2d;
-constexpr Colour kText{0.13, 0.15, 0.18}, kFaint{0.42, 0.45, 0.50}, kFrame{0.70, 0.72, 0.75},
-    kStroke{0.09, 0.24, 0.52};
+constexpr Colour kStroke{0.09, 0.24, 0.52};
 constexpr std::array<Colour, 5> kScale{{{0.96, 0.95, 0.91},
                                         {0.99, 0.85, 0.58},
                                         {0.96, 0.62, 0.31},
@@ -112,13 +111,13 @@ std::string signed_percent(double stretch) {
              : fmt::format("{}{:.1f}", percent < 0 ? "−" : "+", std::abs(percent));
 }
 
-struct Layout {
+struct PanelLayout {
   Eigen::AlignedBox2d area;  // of each map
   double font, width, height, top, gap;
 };
 
-Layout lay_out(const DistortionPicture& picture) {
-  Layout l;
+PanelLayout lay_out(const DistortionPicture& picture) {
+  PanelLayout l;
   l.area = extent(picture);
   l.font = 0.034 * std::max(l.area.sizes().x(), 0.6 * l.area.sizes().y());
   l.gap = 1.5 * l.font;
@@ -128,7 +127,7 @@ Layout lay_out(const DistortionPicture& picture) {
   return l;
 }
 
-void draw_colour_bar(cairo_t* cr, const Layout& l, double end) {
+void draw_colour_bar(cairo_t* cr, const PanelLayout& l, double end) {
   const double x = 2 * l.area.sizes().x() + 3 * l.gap, high = 0.8 * l.area.sizes().y(),
                width = 1.2 * l.font;
   const double y = l.top + 0.1 * l.area.sizes().y();
@@ -141,24 +140,24 @@ void draw_colour_bar(cairo_t* cr, const Layout& l, double end) {
   cairo_set_source(cr, gradient);
   cairo_fill_preserve(cr);
   cairo_pattern_destroy(gradient);
-  set_colour(cr, kFrame);
+  set_colour(cr, kFrameColour);
   cairo_set_line_width(cr, 0.06 * l.font);
   cairo_stroke(cr);
-  set_colour(cr, kFaint);
+  set_colour(cr, kFaintColour);
   for (int k = 0; k <= 5; ++k) {
     write_words(cr, x + width + 0.4 * l.font, y + high * (1 - k / 5.0) + 0.3 * l.font,
                 fmt::format("{:g} %", 100 * end * k / 5), 0.85 * l.font);
   }
 }
 
-void draw_panel(cairo_t* cr, const Layout& l, double left, const std::string& name,
+void draw_panel(cairo_t* cr, const PanelLayout& l, double left, const std::string& name,
                 const Distortion& d, const DistortionPicture& picture,
                 const std::vector<double>& error, const std::vector<PlacedStroke>& strokes,
                 double end) {
   const Vector2d size = l.area.sizes();
-  set_colour(cr, kText);
+  set_colour(cr, kTextColour);
   write_words(cr, left, l.top - 0.7 * l.font, name, l.font, true);
-  set_colour(cr, kFaint);
+  set_colour(cr, kFaintColour);
   const double below = l.top + size.y();
   write_words(
       cr, left, below + 1.6 * l.font,
@@ -176,33 +175,33 @@ void draw_panel(cairo_t* cr, const Layout& l, double left, const std::string& na
   draw_map(cr, picture.chart.patch(), error, end);
   draw_strokes(cr, strokes, 0.0035 * size.maxCoeff());
   cairo_restore(cr);
-  set_colour(cr, kFrame);
+  set_colour(cr, kFrameColour);
   cairo_set_line_width(cr, 0.06 * l.font);
   cairo_rectangle(cr, left, l.top, size.x(), size.y());
   cairo_stroke(cr);
 }
 
 // Length of the scale bar: the largest of 1, 2, 5, 10, … mm within a third of a map.
-void draw_ruler(cairo_t* cr, const Layout& l) {
+void draw_ruler(cairo_t* cr, const PanelLayout& l) {
   double length = 1;
   for (const double next : {2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0}) {
     if (next <= l.area.sizes().x() / 3) length = next;
   }
   const double y = l.height - 1.0 * l.font, x = l.gap;
-  set_colour(cr, kText);
+  set_colour(cr, kTextColour);
   cairo_set_line_width(cr, 0.12 * l.font);
   stroke_line(cr, {{x, y}, {x + length, y}});
   write_words(cr, x + length + 0.5 * l.font, y + 0.3 * l.font,
               fmt::format("{:g} mm, seen from above", length), 0.85 * l.font);
 }
 
-void draw(cairo_t* cr, const DistortionPicture& picture, const Layout& l, const Errors& errors,
+void draw(cairo_t* cr, const DistortionPicture& picture, const PanelLayout& l, const Errors& errors,
           double end) {
   set_colour(cr, {1, 1, 1});
   cairo_paint(cr);
-  set_colour(cr, kText);
+  set_colour(cr, kTextColour);
   write_words(cr, l.gap, 1.9 * l.font, picture.title, 1.25 * l.font, true);
-  set_colour(cr, kFaint);
+  set_colour(cr, kFaintColour);
   write_words(
       cr, l.gap, 3.3 * l.font,
       "colour: by how much a page length comes out too long or too short, in the worst direction",
@@ -218,7 +217,7 @@ void draw(cairo_t* cr, const DistortionPicture& picture, const Layout& l, const 
 }  // namespace
 
 void write_distortion(const DistortionPicture& picture, const std::filesystem::path& stem) {
-  const Layout layout = lay_out(picture);
+  const PanelLayout layout = lay_out(picture);
   const Errors errors = errors_of(picture.chart);
   const double end = scale_end(errors);
 

@@ -14,8 +14,6 @@
 namespace impedraw {
 namespace {
 
-constexpr Colour kText{0.13, 0.15, 0.18}, kFaint{0.42, 0.45, 0.50}, kFrame{0.70, 0.72, 0.75};
-
 // Sizes scale with the picture's width, so that text in a README has the same size for every
 // drawing.
 struct Layout {
@@ -52,7 +50,7 @@ void draw_axes(const Sheet& sheet, const Layout& l, cairo_t* cr) {
                tick = 0.4 * l.font;
   const double range = size.maxCoeff();
   cairo_set_line_width(cr, 0.06 * l.font);
-  set_colour(cr, kFrame);
+  set_colour(cr, kFrameColour);
   cairo_rectangle(cr, left, top, size.x(), size.y());
   cairo_stroke(cr);
   set_font(cr, 0.85 * l.font);
@@ -61,19 +59,19 @@ void draw_axes(const Sheet& sheet, const Layout& l, cairo_t* cr) {
   };
   for (const double c : ticks(low.x(), high.x(), range)) {
     const double x = left + c - low.x();
-    set_colour(cr, kFrame);
+    set_colour(cr, kFrameColour);
     stroke_line(cr, {{x, bottom}, {x, bottom + tick}});
-    set_colour(cr, kFaint);
+    set_colour(cr, kFaintColour);
     show_text(cr, x, bottom + 1.45 * l.font, label(sheet.u_sign * c), 0.5);
   }
   for (const double c : ticks(low.y(), high.y(), range)) {
     const double y = top + c - low.y();
-    set_colour(cr, kFrame);
+    set_colour(cr, kFrameColour);
     stroke_line(cr, {{left, y}, {left - tick, y}});
-    set_colour(cr, kFaint);
+    set_colour(cr, kFaintColour);
     show_text(cr, left - 0.7 * l.font, y + 0.3 * l.font, label(sheet.v_sign * c), 1.0);
   }
-  set_colour(cr, kText);
+  set_colour(cr, kTextColour);
   set_font(cr, 0.92 * l.font);
   show_text(cr, left + 0.5 * size.x(), bottom + 2.9 * l.font, sheet.u_name, 0.5);
   cairo_save(cr);
@@ -86,11 +84,11 @@ void draw_axes(const Sheet& sheet, const Layout& l, cairo_t* cr) {
 void draw(const Sheet& sheet, const Layout& l, cairo_t* cr) {
   set_colour(cr, {1, 1, 1});
   cairo_paint(cr);
-  set_colour(cr, kText);
+  set_colour(cr, kTextColour);
   set_font(cr, 1.25 * l.font, true);
   show_text(cr, l.origin.x(), 1.8 * l.font, sheet.title);
   if (!sheet.subtitle.empty()) {
-    set_colour(cr, kFaint);
+    set_colour(cr, kFaintColour);
     set_font(cr, 0.92 * l.font);
     show_text(cr, l.origin.x(), 3.3 * l.font, sheet.subtitle);
   }
@@ -109,7 +107,7 @@ void draw(const Sheet& sheet, const Layout& l, cairo_t* cr) {
     cairo_set_line_width(cr, std::min(sheet.legend[k].width, 0.9 * l.font));
     const double y = at.y() - 0.33 * l.font;
     stroke_line(cr, {{at.x(), y}, {at.x() + 2.2 * l.font, y}});
-    set_colour(cr, kText);
+    set_colour(cr, kTextColour);
     show_text(cr, at.x() + 2.8 * l.font, at.y(), sheet.legend[k].text);
   }
 }

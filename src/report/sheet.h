@@ -48,6 +48,8 @@ Envelope envelope(std::span<const double> t, const std::function<double(std::siz
 struct Colour {
   double r, g, b;
 };
+inline constexpr Colour kTextColour{0.13, 0.15, 0.18}, kFaintColour{0.42, 0.45, 0.50},
+    kFrameColour{0.70, 0.72, 0.75};
 
 struct LegendEntry {
   Colour colour;

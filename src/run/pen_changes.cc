@@ -12,10 +12,10 @@
 namespace impedraw {
 namespace {
 
-constexpr double kAbove = 0.03;     // of the spot, where the way down begins [m]
-constexpr double kBeneath = 0.025;  // of the spot, where it ends without a touch [m]
-constexpr double kTurnRate = 0.5;   // of the pen's axis, at most [rad/s]
-constexpr double kLeast = 0.5;      // of a way [s]
+constexpr double kAboveSpot = 0.03;  // of the spot, where the way down begins [m]
+constexpr double kBeneath = 0.025;   // of the spot, where it ends without a touch [m]
+constexpr double kTurnRate = 0.5;    // of the pen's axis, at most [rad/s]
+constexpr double kLeast = 0.5;       // of a way [s]
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
@@ -137,14 +137,14 @@ PenChanges::Step PenChanges::rest() const {
 }
 
 void PenChanges::begin_check() {
-  const Eigen::Vector3d n = spot_->R.col(2), above = spot_->p + kAbove * n;
+  const Eigen::Vector3d n = spot_->R.col(2), above = spot_->p + kAboveSpot * n;
   const Eigen::Vector3d over = above + axis_W_ * std::max(0.0, axis_W_.dot(place_W_ - above));
   steps_.push_back(go(over, n));
   steps_.push_back(go(above, n));
   steps_.push_back([](const Situation&) {
     Move move;
     move.kind = Move::Kind::feel;
-    move.depth = kAbove + kBeneath;
+    move.depth = kAboveSpot + kBeneath;
     return move;
   });
   steps_.push_back([this](const Situation& now) { return found(now); });
@@ -167,7 +167,7 @@ Move PenChanges::found(const Situation& now) {
   } else {
     in_.spot = s;
   }
-  Move up = go(spot_->p + kAbove * n, n)(now);
+  Move up = go(spot_->p + kAboveSpot * n, n)(now);
   if (wrong.empty()) {
     up.pen = in_;
     return up;

@@ -87,7 +87,7 @@ class GrooveJudge : public ToolJudge {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kWindow = 8e-3;  // of the line, about where the plan is [m]
-constexpr double kMoves = 1e-6;   // in a step; slower, it is about to stop and turn [m]
+constexpr double kSlides = 1e-6;  // in a step; slower, it is about to stop and turn [m]
 
 struct Line {
   std::vector<Eigen::Vector2d> p;  // in P, without places that stand twice [m]
@@ -172,7 +172,7 @@ class BladeJudge : public ToolJudge {
         row.stroke == last_stroke_ ? std::abs(row.stroke_along - last_along_) : 0.0;
     last_stroke_ = row.stroke;
     last_along_ = row.stroke_along;
-    if (moved > kMoves && to - from > 1e-5) {
+    if (moved > kSlides && to - from > 1e-5) {
       const Eigen::Vector2d way = at(line, to) - at(line, from);
       // Lifted along z onto the tangent plane.
       const Eigen::Vector3d t(way.x(), way.y(), -n.head<2>().dot(way) / n.z());

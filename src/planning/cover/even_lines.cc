@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Line = std::vector<Vector2d>;
 
-constexpr int kRounds = 100, kSmoothings = 5;
+constexpr int kMovingRounds = 100, kMoveSmoothings = 5;
 constexpr double kMost = 1e-3, kLeast = 2e-5, kFirst = 0.5e-3;  // of a round's moves [m]
 constexpr double kMomentum = 0.8;  // share of the way of the round before that a round goes on
 constexpr double kLongest = 2.0;   // of a knot's way, over the RMS of all: else few hold all back
@@ -105,7 +105,7 @@ Line uphill(const SurfaceGrid& g, const Unevenness& u, const Line& line, const P
     along.front() = along.back() = along.front() + along.back();
   }
   for (std::size_t i = 0; i < n; ++i) way[i] = way[i] / along[i] + pull(g, u, line[i], feet);
-  for (int k = 0; k < kSmoothings; ++k) {
+  for (int k = 0; k < kMoveSmoothings; ++k) {
     Line next = way;
     for (std::size_t i = 1; i + 1 < n; ++i)
       next[i] = 0.25 * way[i - 1] + 0.5 * way[i] + 0.25 * way[i + 1];
@@ -206,7 +206,7 @@ double even_lines(const SurfaceGrid& g, const Centres& centres, const std::vecto
   Unevenness u = unevenness(g, area, dose_of(g, *lines, feet));
   double most = kFirst;
   PlaneLines before;
-  for (int round = 0; round < kRounds && most > kLeast; ++round) {
+  for (int round = 0; round < kMovingRounds && most > kLeast; ++round) {
     PlaneLines ways(lines->size());
     double squares = 0.0, knots = 0.0;
     for (std::size_t l = fixed; l < lines->size(); ++l) {

@@ -11,7 +11,7 @@ namespace impedraw {
 
 namespace {
 
-constexpr std::array<std::array<int, 2>, 8> kRing = {
+constexpr std::array<std::array<int, 2>, 8> kAround = {
     {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
 // An unknown height solves Laplace's equation between the known ones.
@@ -26,7 +26,7 @@ void continue_heights(SurfaceGrid* g) {
     const std::size_t v = front.front();
     front.pop_front();
     const int i = g->i_of(v), j = g->j_of(v);
-    for (const auto& [di, dj] : kRing) {
+    for (const auto& [di, dj] : kAround) {
       if (i + di < 0 || i + di >= g->nx || j + dj < 0 || j + dj >= g->ny) continue;
       const std::size_t w = g->index(i + di, j + dj);
       if (has[w]) continue;
@@ -41,8 +41,8 @@ void continue_heights(SurfaceGrid* g) {
       const int i = g->i_of(v), j = g->j_of(v);
       double sum = 0.0;
       int n = 0;
-      for (std::size_t k = 0; k < kRing.size(); k += 2) {
-        const int a = i + kRing[k][0], b = j + kRing[k][1];
+      for (std::size_t k = 0; k < kAround.size(); k += 2) {
+        const int a = i + kAround[k][0], b = j + kAround[k][1];
         if (a < 0 || a >= g->nx || b < 0 || b >= g->ny) continue;
         sum += g->z[g->index(a, b)];
         ++n;
@@ -135,9 +135,9 @@ std::vector<double> surface_distance(const SurfaceGrid& g, std::vector<double> T
     const std::size_t v = g.index(i, j);
     const Eigen::Vector3d p = g.point(v);
     double least = T[v];
-    for (std::size_t k = 0; k < kRing.size(); ++k) {
-      const auto& [ai, aj] = kRing[k];
-      const auto& [bi, bj] = kRing[(k + 1) % kRing.size()];
+    for (std::size_t k = 0; k < kAround.size(); ++k) {
+      const auto& [ai, aj] = kAround[k];
+      const auto& [bi, bj] = kAround[(k + 1) % kAround.size()];
       if (i + ai < 0 || i + ai >= g.nx || j + aj < 0 || j + aj >= g.ny) continue;
       if (i + bi < 0 || i + bi >= g.nx || j + bj < 0 || j + bj >= g.ny) continue;
       const std::size_t a = g.index(i + ai, j + aj), b = g.index(i + bi, j + bj);
@@ -169,8 +169,8 @@ std::vector<double> distance_to_edge(const SurfaceGrid& g, const std::vector<cha
     }
     const int i = g.i_of(v), j = g.j_of(v);
     bool edge = i == 0 || j == 0 || i == g.nx - 1 || j == g.ny - 1;
-    for (std::size_t k = 0; k < kRing.size() && !edge; k += 2)
-      edge = !inside[g.index(i + kRing[k][0], j + kRing[k][1])];
+    for (std::size_t k = 0; k < kAround.size() && !edge; k += 2)
+      edge = !inside[g.index(i + kAround[k][0], j + kAround[k][1])];
     if (edge) seeds[v] = 0.5 * g.step;
   }
   return surface_distance(g, std::move(seeds));

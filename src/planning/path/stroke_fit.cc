@@ -201,13 +201,13 @@ constexpr double kSamePoint = 1e-7;     // [m]
 constexpr double kShortestSpan = 1e-6;  // [m]
 constexpr int kMostRounds = 60;
 
-struct Line {  // one part between corners, in the drawing plane and on the page
+struct FitLine {  // one part between corners, in the drawing plane and on the page
   std::vector<Vector2d> p_P, page;
   std::vector<double> place;  // of each vertex on the stroke (stroke_part.h) [m]
   std::vector<double> along;  // length up to each vertex [m]
 };
 
-struct Knot {
+struct FitKnot {
   double along;  // on the polyline [m]
   double place;  // on the stroke [m]
   Vector2d p, page;
@@ -216,7 +216,7 @@ struct Knot {
 
 class Fit {
  public:
-  Fit(Line line, int stroke, const SurfaceHeight& surface, const FitSettings& settings,
+  Fit(FitLine line, int stroke, const SurfaceHeight& surface, const FitSettings& settings,
       SurfaceHeight::Sample& last)
       : line_(std::move(line)),
         stroke_(stroke),
@@ -262,14 +262,14 @@ class Fit {
     }
   }
 
-  std::vector<Knot>& knots() { return knots_; }
+  std::vector<FitKnot>& knots() { return knots_; }
 
   PathSpline through_knots() const {
     std::vector<SurfaceSample> samples;
     std::vector<double> along;
     samples.reserve(knots_.size());
     along.reserve(knots_.size());
-    for (const Knot& k : knots_) {
+    for (const FitKnot& k : knots_) {
       samples.push_back(k.sample);
       along.push_back(k.place);
     }
@@ -277,7 +277,7 @@ class Fit {
   }
 
  private:
-  Knot knot_at(double s) const {
+  FitKnot knot_at(double s) const {
     const auto after = std::upper_bound(line_.along.begin() + 1, line_.along.end() - 1, s);
     const auto i = static_cast<std::size_t>(after - line_.along.begin());
     const double part =
@@ -289,7 +289,7 @@ class Fit {
                     {}});
   }
 
-  Knot sampled(Knot k) const {
+  FitKnot sampled(FitKnot k) const {
     k.sample = sample_or_throw(surface_, k.p, k.page, stroke_, last_);
     return k;
   }
@@ -332,7 +332,7 @@ class Fit {
   // Adds a knot in each span that exceeds the tolerance. Returns false if there is none.
   bool refine(const PathSpline& spline) {
     if (++rounds_ > kMostRounds) return false;
-    std::vector<Knot> result;
+    std::vector<FitKnot> result;
     for (std::size_t i = 0; i + 1 < knots_.size(); ++i) {
       result.push_back(knots_[i]);
       const double s0 = knots_[i].along, s1 = knots_[i + 1].along;
@@ -358,13 +358,14 @@ class Fit {
   // Adds knots on the spline itself where knots are far apart. They keep its shape seen along z and
   // follow the surface.
   bool insert_between(const PathSpline& spline) {
-    std::vector<Knot> result;
+    std::vector<FitKnot> result;
     for (std::size_t i = 0; i + 1 < knots_.size(); ++i) {
       result.push_back(knots_[i]);
       const double u0 = spline.start(i), u1 = spline.end(i);
       const int pieces = static_cast<int>(std::ceil((u1 - u0) / settings_.knot_spacing - 1e-6));
       for (int k = 1; k < pieces; ++k) {
-        Knot knot = knot_at(knots_[i].along + (knots_[i + 1].along - knots_[i].along) * k / pieces);
+        FitKnot knot =
+            knot_at(knots_[i].along + (knots_[i + 1].along - knots_[i].along) * k / pieces);
         knot.p = spline.point(i, u0 + (u1 - u0) * k / pieces).head<2>();
         result.push_back(sampled(knot));
       }
@@ -375,13 +376,13 @@ class Fit {
     return grown;
   }
 
-  Line line_;
+  FitLine line_;
   std::vector<double> allowed_;  // distance between spline and line, at each vertex [m]
   int stroke_;
   const SurfaceHeight& surface_;
   const FitSettings& settings_;
   SurfaceHeight::Sample& last_;  // found on the surface
-  std::vector<Knot> knots_;
+  std::vector<FitKnot> knots_;
   int rounds_ = 0;
 };
 
@@ -391,7 +392,7 @@ std::pair<Vector3d, Vector3d> smooth_normals(const FitSettings& settings, std::v
   std::vector<std::size_t> first;  // of each part; it is the last of the part before
   double start = 0.0;
   for (Fit& fit : *fits) {
-    const std::vector<Knot>& knots = fit.knots();
+    const std::vector<FitKnot>& knots = fit.knots();
     const std::size_t from = all.empty() ? 0 : 1;
     first.push_back(all.size() - from);
     for (std::size_t i = from; i < knots.size(); ++i)
@@ -403,7 +404,7 @@ std::pair<Vector3d, Vector3d> smooth_normals(const FitSettings& settings, std::v
   all.back().corner = false;
   const std::vector<Vector3d> axes = smoothed_axes(all, settings.normal_smoothing, settings.tilt);
   for (std::size_t k = 0; k < fits->size(); ++k) {
-    std::vector<Knot>& knots = (*fits)[k].knots();
+    std::vector<FitKnot>& knots = (*fits)[k].knots();
     for (std::size_t i = 0; i < knots.size(); ++i) knots[i].sample.n_P = axes[first[k] + i];
   }
   return {axes.front(), axes.back()};
@@ -415,7 +416,7 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
                         const FitSettings& settings) {
   const int number = stroke.number;
   SurfaceHeight::Sample last;
-  Line whole;
+  FitLine whole;
   double place = stroke.start;
   for (std::size_t i = 0; i < stroke.p_P.size(); ++i) {
     if (!stroke.p_P[i].allFinite())
@@ -436,7 +437,7 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
     end->n_P = leant(end->n_P, settings.lean_deg);
   if (whole.p_P.size() == 1) return fitted;
 
-  Line line;
+  FitLine line;
   for (std::size_t i : simplified(whole.p_P, settings.tolerance / 5)) {
     line.p_P.push_back(whole.p_P[i]);
     line.page.push_back(whole.page[i]);
@@ -449,7 +450,7 @@ FittedStroke fit_stroke(const PlacedStroke& stroke, const SurfaceHeight& surface
   std::size_t from = 0;
   std::vector<Fit> fits;
   for (std::size_t to : cuts) {
-    Line part;
+    FitLine part;
     part.p_P.assign(line.p_P.begin() + from, line.p_P.begin() + to + 1);
     part.page.assign(line.page.begin() + from, line.page.begin() + to + 1);
     part.place.assign(line.place.begin() + from, line.place.begin() + to + 1);

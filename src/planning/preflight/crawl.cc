@@ -8,8 +8,8 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kLook = 5e-3;      // between samples of the path [s]
-constexpr double kShortest = 2e-3;  // shorter strokes are not judged [m]
+constexpr double kCrawlStep = 5e-3;  // between samples of the path [s]
+constexpr double kShortest = 2e-3;   // shorter strokes are not judged [m]
 
 // One stroke of a path, sample by sample.
 struct Trace {
@@ -19,7 +19,8 @@ struct Trace {
 Trace trace(const TipPath& path, const StrokeTimes& stroke) {
   Trace trace;
   double length = 0.0, along = 0.0;
-  const int steps = std::max(1, static_cast<int>(std::ceil((stroke.end - stroke.start) / kLook)));
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil((stroke.end - stroke.start) / kCrawlStep)));
   for (int k = 0; k <= steps; ++k) {
     const double t = stroke.start + (stroke.end - stroke.start) * k / steps;
     const PathSample sample = path.at(t);
