@@ -92,7 +92,7 @@ struct CoverSettings {
       region;                   // an SVG whose filled areas are covered; empty: all that is reached
   double overlap = 0.82;        // of neighbouring lines, as a share of the footprint's width
   double direction_deg = 90.0;  // of the lines, from the drawing plane's x axis
-  double margin = 1e-3;         // that the footprint keeps from edges [m]
+  double margin = 5e-4;         // that the footprint keeps from edges [m]
   int passes = 1;
 };
 
