@@ -47,8 +47,10 @@ PageContext page_of(const fs::path& folder, const Experiment& experiment) {
   return page_context(experiment.scenario, experiment.artwork, draw_again(folder));
 }
 
-std::string numbers(const Metrics& metrics, bool table) {
-  return metrics_summary(metrics) + (table ? metrics_table(metrics) : "");
+std::string numbers(const fs::path& folder, const Scenario& scenario, const Metrics& metrics,
+                    bool table) {
+  return metrics_summary(metrics, touches(scenario) ? Trace::line : Trace::none) +
+         tool_figures(folder) + (table ? metrics_table(metrics) : "");
 }
 
 // The lines that name report and incident.
@@ -230,9 +232,10 @@ int draw(const DrawOptions& options, const LiveOptions& live, bool table) {
       !before.empty()                                    ? "of it since the resume"
       : experiment.scenario.arm.driver == ArmDriver::sim ? "simulated"
                                                          : "of the arm's clock",
-      outcome.wall.loop, numbers(drawing.metrics, table), contact_line(experiment),
-      met_line(drawing.outcome), velocity_line(experiment, drawing.outcome),
-      ink_lines(experiment, drawing.outcome), pages(folder, drawing.metrics));
+      outcome.wall.loop, numbers(folder, scenario, drawing.metrics, table),
+      contact_line(experiment), met_line(drawing.outcome),
+      velocity_line(experiment, drawing.outcome), ink_lines(experiment, drawing.outcome),
+      pages(folder, drawing.metrics));
   return exit_code(drawing);
 }
 
@@ -268,7 +271,8 @@ int compare(const DrawOptions& options, bool table) {
     const int code = exit_code(drawing);
     if (drawing.outcome.end == RunEnd::interrupted) return code;
     worst = std::max(worst, code);
-    say(stdout, "{}\n{}", side.name, numbers(drawing.metrics, table));
+    say(stdout, "{}\n{}", side.name,
+        numbers(folder / side.name, side.experiment.scenario, drawing.metrics, table));
   }
   const auto compared = [&](const char* name, const Side& side) {
     return ComparedRun{name, folder / side.name, page_of(folder / side.name, side.experiment)};
@@ -359,7 +363,7 @@ int report(const fs::path& folder, bool table) {
   const Metrics metrics =
       write_results(folder, scenario, artwork, backdrop_of(scenario, artwork, folder),
                     give_up_on(interrupt, folder));
-  say(stdout, "{}{}", numbers(metrics, table), pages(folder, metrics));
+  say(stdout, "{}{}", numbers(folder, scenario, metrics, table), pages(folder, metrics));
   return kFinished;
 }
 

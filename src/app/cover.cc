@@ -42,10 +42,13 @@ class Judge {
  public:
   Judge(const Experiment& e, const CoverPlan& plan, const TrueCover& truth)
       : X_PW_(e.artwork.X_WP.inverse()),
-        model_(model_of(e.scenario.arm)),
-        truth_(truth.grid, pad(e), e.scenario.control.normal_force, e.scenario.path.draw_speed),
-        arm_(plan.grid, pad(e), e.scenario.control.normal_force, e.scenario.path.draw_speed,
-             kDoubt) {}
+        force_(e.scenario.control.normal_force),
+        jet_(e.scenario.tool.kind == ToolKind::nozzle),
+        model_(e.belief.arm),
+        truth_(truth.grid, *covering(e.scenario), e.scenario.control.normal_force,
+               e.scenario.path.draw_speed),
+        arm_(plan.grid, *covering(e.scenario), e.scenario.control.normal_force,
+             e.scenario.path.draw_speed, kDoubt) {}
 
   // A canvas that moves is seen from its own frame, by the arm as it believes that this lies.
   void add(const LogRow& row) {
@@ -54,13 +57,17 @@ class Judge {
     if (!(dt > 0.0 && dt < kLongest)) return;
     const Pose X_WE{row.tip_position, row.tip_orientation.toRotationMatrix()};
     const Pose seen = X_PW_ * row.canvas_pose.inverse() * X_WE;
-    if (row.contact_force.allFinite() && row.contact_normal.allFinite())
+    if (jet_) {
+      if (row.stroke < 0) return;  // it is shut
+      truth_.press(seen, force_, seen.R.col(0), row.time, dt);
+    } else if (row.contact_force.allFinite() && row.contact_normal.allFinite())
       press(&truth_, seen, &seen_, row.contact_normal_W().dot(row.contact_force), row.time, dt,
             row.stroke >= 0);
     // The arm knows its own joints and its own wrench.
     if (!row.surface_normal.allFinite()) return;
     const Pose own =
         X_PW_ * row.estimated_canvas_pose.inverse() * model_.tip_pose(row.measured_position);
+    if (jet_) return arm_.press(own, force_, own.R.col(0), row.time, dt);
     press(&arm_, own, &own_, row.surface_normal.dot(row.wrench_measured.head<3>()), row.time, dt,
           true);
   }
@@ -69,10 +76,6 @@ class Judge {
   const TreatmentMap& arm() const { return arm_; }
 
  private:
-  static PadSettings pad(const Experiment& e) {
-    return *pad_of(e.scenario.tool, e.scenario.world.tip.friction, e.scenario.control.normal_force);
-  }
-
   static constexpr double kLongest = 0.05;  // between two rows of a log [s]
   static constexpr double kDoubt = 0.03;    // of a wrench sensor: drift and the pad's own weight
 
@@ -86,11 +89,17 @@ class Judge {
   static constexpr double kFastest = 10.0;  // beyond, the place before is not known [m/s]
 
   Pose X_PW_;
+  double force_;  // asked for; of a jet, which coats evenly in time: any [N]
+  bool jet_;
   ArmModel model_;
   TreatmentMap truth_, arm_;
   double time_ = -1.0;
   Eigen::Vector3d seen_ = Eigen::Vector3d::Constant(1e9), own_ = seen_;  // E in P, before
 };
+
+const char* name_of_dose(const Scenario& s) {
+  return s.tool.kind == ToolKind::nozzle ? "coat" : "removal";
+}
 
 std::vector<char> promised_places(const Experiment& e, const CoverPlan& plan) {
   PlaneLines lines;
@@ -133,11 +142,14 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   const auto share = [](double part, double whole) { return whole > 0.0 ? part / whole : 0.0; };
   out.metrics["treated_share"] = share(out.promised.treated, out.promised.area);
   out.metrics["promised_share"] = share(out.promised.area, reachable);
-  out.metrics["pressure_mean"] = judge.truth().pressure_mean();
-  out.metrics["pressure_sd"] = judge.truth().pressure_sd();
-  out.metrics["removal_cv"] = out.inner.dose_cv;
-  out.metrics["removal_cv_to_edge"] = out.promised.dose_cv;
-  out.metrics["removal_map_error"] = of > 0.0 ? std::sqrt(off / of) : 0.0;
+  const std::string dose = name_of_dose(e.scenario);
+  if (touches(e.scenario)) {
+    out.metrics["pressure_mean"] = judge.truth().pressure_mean();
+    out.metrics["pressure_sd"] = judge.truth().pressure_sd();
+  }
+  out.metrics[dose + "_cv"] = out.inner.dose_cv;
+  out.metrics[dose + "_cv_to_edge"] = out.promised.dose_cv;
+  out.metrics[dose + "_map_error"] = of > 0.0 ? std::sqrt(off / of) : 0.0;
   out.metrics["treated_share_known"] = share(known.treated, known.area);
   out.metrics["unsaid_share"] = share(out.unsaid, out.promised.area);
   out.whole = {{"metrics", out.metrics},
@@ -159,14 +171,15 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   return out;
 }
 
-CoverPicture picture_of(const std::string& title, const TrueCover& truth, const Judge& judge,
+CoverPicture picture_of(const Scenario& s, const TrueCover& truth, const Judge& judge,
                         const Results& results) {
   const SurfaceGrid& g = truth.grid;
   CoverPicture picture{
-      .title = title,
-      .subtitle = fmt::format("{:.2f} % of {:.0f} cm² treated, removal even to {:.1f} % (CV)",
-                              100.0 * results.promised.treated / results.promised.area,
-                              1e4 * results.promised.area, 100.0 * results.inner.dose_cv),
+      .title = s.name,
+      .subtitle =
+          fmt::format("{:.2f} % of {:.0f} cm² treated, {} even to {:.1f} % (CV)",
+                      100.0 * results.promised.treated / results.promised.area,
+                      1e4 * results.promised.area, name_of_dose(s), 100.0 * results.inner.dose_cv),
       .nx = g.nx,
       .ny = g.ny,
       .step = g.step,
@@ -185,17 +198,21 @@ CoverPicture picture_of(const std::string& title, const TrueCover& truth, const 
   return picture;
 }
 
-void say_results(const Results& r, const Metrics& metrics) {
-  const auto percent = [&](const char* name) { return 100.0 * r.metrics[name].get<double>(); };
+void say_results(const Scenario& s, const Results& r, const Metrics& metrics) {
+  const std::string dose = name_of_dose(s);
+  const auto percent = [&](const std::string& name) {
+    return 100.0 * r.metrics[name].get<double>();
+  };
   say(stdout,
-      "  treated     {:.2f} % of {:.1f} cm² promised, {:.1f} % of what a perfect planner reaches\n"
-      "  pressure    {:.2f} ± {:.2f} kPa\n"
-      "  removal     even to {:.1f} % (CV), {:.1f} % with the rim of one radius\n",
-      percent("treated_share"), 1e4 * r.promised.area, percent("promised_share"),
-      1e-3 * r.metrics["pressure_mean"].get<double>(),
-      1e-3 * r.metrics["pressure_sd"].get<double>(), percent("removal_cv"),
-      percent("removal_cv_to_edge"));
-  say(stdout, "{}", metrics_summary(metrics, false));
+      "  treated     {:.2f} % of {:.1f} cm² promised, {:.1f} % of what a perfect planner reaches\n",
+      percent("treated_share"), 1e4 * r.promised.area, percent("promised_share"));
+  if (r.metrics.contains("pressure_mean"))
+    say(stdout, "  pressure    {:.2f} ± {:.2f} kPa\n",
+        1e-3 * r.metrics["pressure_mean"].get<double>(),
+        1e-3 * r.metrics["pressure_sd"].get<double>());
+  say(stdout, "  {:<11} even to {:.1f} % (CV), {:.1f} % with the rim of one radius\n", dose,
+      percent(dose + "_cv"), percent(dose + "_cv_to_edge"));
+  say(stdout, "{}", metrics_summary(metrics, touches(s) ? Trace::area : Trace::none));
   double lacking = 0.0;
   for (const MissedPatch& patch : r.arm_missed) lacking += patch.area;
   if (lacking > 0.0)
@@ -293,11 +310,11 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
     write_whole(folder / kCoverFile, results.whole.dump(2) + "\n");
   };
   const Drawing drawing = draw_into(folder, experiment, seconds_since(start), begun, hooks);
-  write_cover(picture_of(scenario.name, truth, judge, results), folder / "cover");
+  write_cover(picture_of(scenario, truth, judge, results), folder / "cover");
   say(stdout, "{}: {:.2f} s simulated in {:.2f} s\n", scenario.name, drawing.outcome.simulated,
       drawing.outcome.wall.loop);
   say(stdout, "{}", ink_lines(experiment, drawing.outcome));
-  say_results(results, drawing.metrics);
+  say_results(scenario, results, drawing.metrics);
   if (table) say(stdout, "{}", metrics_table(drawing.metrics));
   say(stdout, "picture  {}\nreport   {}\n",
       fs::absolute(folder / "cover.png").lexically_normal().string(),

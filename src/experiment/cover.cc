@@ -39,7 +39,10 @@ constexpr double kJointMargin = 0.08;
 constexpr double kOffReach = 1e-3;
 constexpr double kReachStep = 8e-3;  // between places for which the arm is asked [m]
 
-Footprint footprint_of(const PadSettings& pad) { return {pad.radius, pad.rest, pad.thickness}; }
+// What is deeper than its thickness is a jet (jet_of()), which no foam's end limits.
+Footprint footprint_of(const PadSettings& pad) {
+  return {pad.radius, pad.rest, pad.rest > pad.thickness ? kFar : pad.thickness};
+}
 
 // The vertices under the faces of a colour, of a mesh that is placed as canvas.mesh is.
 std::vector<char> painted(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP) {
@@ -173,7 +176,8 @@ void promise(const Scenario& s, const std::vector<char>& inner, bool refused, Co
   for (auto& part : repeats(plan.grid, plan.centres.feet, inner, lines))
     lines.push_back(std::move(part));
   plan.promised_area = area_of(plan.grid, surely_pressed(plan.grid, lines, plan.centres.feet));
-  plan.forces = even_forces(plan.grid, lines, plan.centres.feet, inner, kForceChange);
+  plan.forces = even_forces(plan.grid, lines, plan.centres.feet, inner,
+                            s.tool.kind == ToolKind::nozzle ? 0.0 : kForceChange);
   for (auto& pass : plan.forces)
     for (double& f : pass) f *= s.control.normal_force;
   plan.notes.clear();
@@ -236,21 +240,30 @@ std::vector<Eigen::Vector2d> line_of(const PlacedArtwork& artwork, const StrokeP
 
 }  // namespace
 
+std::optional<PadSettings> covering(const Scenario& s) {
+  const double force = s.control.normal_force;
+  const auto pad = pad_of(s.tool, s.world.tip.friction, force);
+  return pad ? pad : jet_of(s.tool, force);
+}
+
 Scenario with_cover_defaults(Scenario s, const Places& places) {
   const auto given = [&](const char* name) { return !places.of(name).starts_with("default of "); };
   const SettingErrors errors(places);
   if (s.tool.kind == ToolKind::pen && given("tool.kind"))
-    errors.raise({"tool.kind"},
-                 "tool.kind is pen: its ball touches at a point and covers no area; valid is pad");
+    errors.raise(
+        {"tool.kind"},
+        "tool.kind is pen: its ball touches at a point and covers no area; valid is pad, or "
+        "nozzle");
   if (s.tool.kind == ToolKind::pen) s.tool.kind = ToolKind::pad;
-  if (!given("path.draw_speed")) s.path.draw_speed = 0.1;
+  // A jet coats by time: it must not have to slow down where rows turn.
+  if (!given("path.draw_speed")) s.path.draw_speed = s.tool.kind == ToolKind::nozzle ? 0.05 : 0.1;
   if (!given("path.draw_acceleration")) s.path.draw_acceleration = 2.0;
   if (!given("path.travel_acceleration")) s.path.travel_acceleration = 1.0;
   // A face that leans off the normal presses with one side, and more than the law makes up for.
   if (!given("path.tilt_allowance")) s.path.tilt_allowance_deg = 0.0;
   ControlSettings& control = s.control;
   // A canvas that moves is followed better by a mass of its own.
-  if (control.source != WrenchSource::none && !s.perception.frames.enabled &&
+  if (control.source != WrenchSource::none && !s.perception.frames.enabled && touches(s) &&
       !given("control.inertia"))
     control.inertia = InertiaShaping::light_normal;
   if (control.inertia == InertiaShaping::light_normal && !given("control.inertia_scale"))
@@ -271,8 +284,10 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
     errors.raise({"perception.enabled"},
                  "perception.enabled is false: the lines of cover lie on what the cameras saw; "
                  "valid is true");
-  const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);
-  if (!pad) errors.raise({"tool.kind"}, "tool.kind: only a pad covers an area; valid is pad");
+  const auto pad = covering(s);
+  if (!pad)
+    errors.raise({"tool.kind"},
+                 "tool.kind: only a pad or a nozzle covers an area; valid is pad, or nozzle");
   require_foam(s, errors);
   const Eigen::AlignedBox2d box = extent_of(s, belief, X_WP);
   const double step =

@@ -25,6 +25,9 @@ struct CoverPlan {
   std::vector<std::string> notes;           // what of the area is not covered, one line each
 };
 
+// The pad that covers, or a nozzle's jet; nothing for another tool.
+std::optional<PadSettings> covering(const Scenario& scenario);
+
 // The scenario as ./impedraw cover completes it: a pad where the tool is not given, 100 mm/s,
 // 2 m/s², and normals fitted over at least the footprint. Throws InputError for another tool.
 Scenario with_cover_defaults(Scenario scenario, const Places& places);

@@ -294,12 +294,15 @@ void describe(Fields& f, LayerPenSettings& s) {
 }
 
 void describe(Fields& f, ToolSettings& s) {
-  f.choice("kind", s.kind, {"pen", "pad", "engraver", "blade", "roller"},
-           "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
-           "foam. engraver: a turning cone that cuts grooves. blade: an edge that is led along the "
-           "lines. roller: a line across them that rolls.");
+  f.choice(
+      "kind", s.kind, {"pen", "pad", "engraver", "blade", "roller", "nozzle"},
+      "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
+      "foam. engraver: a turning cone that cuts grooves. blade: an edge that is led along the "
+      "lines. roller: a line across them that rolls. nozzle: its jet sprays or dispenses along "
+      "them, and nothing touches.");
   f.field("radius", s.radius, kPadRadiusRange, "m",
-          "Radius of the pad, half the length of a blade's edge or of a roller; null: 15 mm, and "
+          "Radius of the pad or of a nozzle's jet on the surface, half the length of a blade's "
+          "edge or of a roller; null: 15 mm, and "
           "for a blade as much as the force sinks into the believed material.");
   f.constant("foam_thickness", PadSettings().thickness, Range::any(), "m");
   f.field("foam_stiffness", s.foam_stiffness, kFoamStiffnessRange, "N/m³",
@@ -318,6 +321,8 @@ void describe(Fields& f, ToolSettings& s) {
           "How far a blade's edge or a roller trails the arm's axis, as a drag knife's.");
   f.choice("swivel", s.swivel, {"spot", "lifted"},
            "How a blade or roller turns at a corner: on the spot, or lifted.");
+  f.field("stand_off", s.stand_off, {1e-3, 0.3}, "m",
+          "Distance of a nozzle, the tip of arm.urdf, from the surface.");
 }
 
 void describe(Fields& f, CoverSettings& s) {
@@ -421,6 +426,22 @@ PadSettings foam_of(const ToolSettings& tool, double friction, double force) {
 std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force) {
   if (tool.kind != ToolKind::pad) return std::nullopt;
   return foam_of(tool, friction, force);
+}
+
+std::optional<PadSettings> jet_of(const ToolSettings& tool, double force) {
+  if (tool.kind != ToolKind::nozzle) return std::nullopt;
+  constexpr double kDeep = 1.0;  // so deep in a foam, unevenness does not count [m]
+  PadSettings jet;
+  jet.radius = tool.radius.value_or(jet.radius);
+  jet.rest = kDeep;
+  jet.stiffness = force / (jet.area() * kDeep);
+  return jet;
+}
+
+TipMaterial true_tip(const Scenario& s) {
+  TipMaterial tip = s.world.tip;
+  if (s.tool.kind == ToolKind::nozzle) tip.stiffness = tip.damping = tip.friction = 0.0;
+  return tip;
 }
 
 std::optional<PadSettings> face_of(const Scenario& s) {

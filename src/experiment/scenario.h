@@ -57,7 +57,7 @@ struct FaultSettings {
 };
 
 // The tool at the arm's end, and how an area is covered with it.
-enum class ToolKind { pen, pad, engraver, blade, roller };
+enum class ToolKind { pen, pad, engraver, blade, roller, nozzle };
 enum class Swivel { spot, lifted };  // of a tool that is led, at corners
 
 struct ToolSettings {
@@ -71,12 +71,23 @@ struct ToolSettings {
   double yaw_deg = 0.0;                             // of what is led, from the line
   double trail = 0.0;                               // of its face behind the arm's axis [m]
   Swivel swivel = Swivel::spot;
+  double stand_off = 0.1;  // of a nozzle from the surface, along its jet [m]
 };
 
 // Its heading is led along the lines (tool_fit.h).
 inline bool is_led(const ToolSettings& tool) {
   return tool.kind == ToolKind::blade || tool.kind == ToolKind::roller;
 }
+
+// Distance by which the frame E lies before the tip of arm.urdf: a nozzle's jet meets the surface
+// there [m].
+inline double stand_off_of(const ToolSettings& tool) {
+  return tool.kind == ToolKind::nozzle ? tool.stand_off : 0.0;
+}
+
+// The jet of a nozzle as a foam of even pressure that is as wide, so that it is laid out and judged
+// as a pad is; nothing for another tool. `force`: any, of which the pressure is a measure [N].
+std::optional<PadSettings> jet_of(const ToolSettings& tool, double force);
 
 // The pad of these settings, which lies level with E under `force` [N]; nothing for another tool.
 std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force);
@@ -371,6 +382,14 @@ struct Scenario {
 
 // The simulated world is made of what was seen: there is no truth to judge against.
 bool is_rehearsal(const Scenario& scenario);
+
+// Something touches the canvas: no nozzle is held, and the drawing is no dry run.
+inline bool touches(const Scenario& s) {
+  return !s.drawing.dry_run && s.tool.kind != ToolKind::nozzle;
+}
+
+// What the tip is to the simulated world: world.tip, or a jet that presses on nothing.
+TipMaterial true_tip(const Scenario& scenario);
 
 // The face of a tool, which lies level with E under control.normal_force: a pad, the edge of a
 // blade in the believed material, a roller. Nothing for a pen and an engraver.

@@ -285,6 +285,7 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   const std::filesystem::path urdf = urdf_of(s.arm);
   ArmModel arm =
       setting_errors.locate({"arm.rotor_inertia", "arm.urdf"}, [&] { return model_of(s.arm); });
+  arm.lengthen_pen(stand_off_of(s.tool));
   std::optional<Snapshot> read;
   if (s.perception.enabled && s.perception.source != PerceptionSource::simulated)
     setting_errors.locate(kHowSeen,
@@ -316,6 +317,10 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   auto world =
       setting_errors.locate({"world.joint_spring", "world.errors.rotor_inertia", "arm.urdf"},
                             [&] { return std::make_unique<World>(urdf, canvas.get(), settings); });
+  if (s.tool.kind == ToolKind::nozzle) {
+    world->set_tip(true_tip(s));
+    world->set_pen_longer(s.world.errors.pen_longer + s.tool.stand_off);
+  }
   reckon_with_dynamics(*world, &s, &notes);
   setting_errors.locate({"canvas.motion"}, [&] { world->move_canvas(canvas_motion(s)); });
   check_pushes(s, *world, setting_errors);

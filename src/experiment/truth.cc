@@ -75,7 +75,7 @@ Promise promise_of(const PlannedDrawing& e, const Truth& truth, const TargetLine
     ++p.problems[name_of(f.problem)];
     p.lengths[name_of(f.problem)] += f.part.length();
   }
-  p.asks_ink = !e.scenario.drawing.dry_run;
+  p.asks_ink = touches(e.scenario);
   double least = 1.0;
   for (const Eigen::Vector3d& p_W : target.points)
     least = std::min(least, truth.canvas->closest(p_W).n_W.z());

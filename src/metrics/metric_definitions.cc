@@ -145,7 +145,7 @@ std::string metrics_table(const Metrics& metrics) {
   return text;
 }
 
-std::string metrics_summary(const Metrics& m, bool draws_line) {
+std::string metrics_summary(const Metrics& m, Trace trace) {
   // Whole only where nothing is missing.
   const auto percent = [](double share) { return std::floor(100.0 * share + 1e-9); };
   std::string text = fmt::format("  end         {}\n", told(m.ending));
@@ -157,7 +157,8 @@ std::string metrics_summary(const Metrics& m, bool draws_line) {
                         rest.empty() ? "" : "; the rest: ", rest);
   }
   const auto row = [&](const char* name, const Metric& metric, const auto& value) {
-    if (!draws_line && (&metric == &m.ink_error_rms || &metric == &m.coverage)) return;
+    if (trace != Trace::line && (&metric == &m.ink_error_rms || &metric == &m.coverage)) return;
+    if (trace == Trace::none && &metric == &m.force_mean) return;
     text += fmt::format("  {:<11} {}\n", name,
                         metric.value() ? value(*metric.value()) : "none: " + metric.reason());
   };

@@ -95,8 +95,9 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn, const Canvas*
 
 nlohmann::ordered_json metrics_json(const Metrics& metrics);  // content of metrics.json
 std::string metrics_table(const Metrics& metrics);            // for the terminal
+enum class Trace { line, area, none };  // of what the tool leaves; none: it presses on nothing
 // For the terminal: how the run ended, how much was drawn and what was not, and the numbers of the
-// drawing itself.
-std::string metrics_summary(const Metrics& metrics, bool draws_line = true);
+// drawing itself that make sense for such a tool.
+std::string metrics_summary(const Metrics& metrics, Trace trace = Trace::line);
 
 }  // namespace impedraw

@@ -244,7 +244,7 @@ Drawing draw_into(const fs::path& folder, const Experiment& experiment,
       for (const char* stale :
            {"metrics.json", "report.html", "ink_top.svg", "ink_top.png", "ink_page.svg",
             "ink_page.png", "strokes.json", "incident.html", kPenFile, kCoverFile, kGrooveFile,
-            kBladeFile, "cover.svg", "cover.png"})
+            kJetFile, kBladeFile, "cover.svg", "cover.png"})
         if (is_own_file(folder / stale)) fs::remove(folder / stale);
       if (!resumption) write_inputs(folder, experiment.scenario, experiment.inputs);
       if (watch.begun) watch.begun();

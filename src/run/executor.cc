@@ -33,7 +33,7 @@ Executor::Executor(const Experiment& e, DrivenArm& arm, const RunHooks& hooks)
       block_(e),
       reach_(e.scenario.preflight.arm),
       canvas_(e.scenario.perception.frames.wait_for_rest),
-      chance_(e.belief.perception && !e.scenario.drawing.dry_run) {
+      chance_(e.belief.perception && touches(e.scenario)) {
   const Pose X_WE = arm.X_WE();
   rest_.p_WD = X_WE.p;
   rest_.n_WD = -X_WE.R.col(2);

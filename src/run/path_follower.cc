@@ -48,10 +48,9 @@ std::optional<PathSample> PathFollower::sample(bool up, const std::function<bool
     desired.reference = move_.touch->search->at_touched_height(desired.reference, arm_.out().mode,
                                                                arm_.loop().terms().X_WE.p);
   }
-  if (const std::optional<double>& height = e_.scenario.drawing.dry_run) {
+  if (const std::optional<double>& height = e_.scenario.drawing.dry_run)
     desired.reference.p_WD += *height * e_.control.impedance.surface.drawing_axis_W;
-    desired.reference.pen_down = false;
-  }
+  if (!touches(e_.scenario)) desired.reference.pen_down = false;
   desired.reference = clock_.scaled(desired.reference);
   return desired;
 }

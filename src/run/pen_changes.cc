@@ -48,7 +48,7 @@ PenChanges::PenChanges(const Experiment& e, std::vector<StrokePart> left, const 
       in_(in),
       axis_W_(e.artwork.X_WP.R.col(2)),
       place_W_(e.scenario.pen.place.value_or(e.scenario.arm.start_p_WE)),
-      checks_(e.scenario.pen.check && !e.scenario.drawing.dry_run),
+      checks_(e.scenario.pen.check && touches(e.scenario)),
       checks_first_(checks_ && !in.spot) {
   // After a run that was ended early, gaps of earlier pens may be left: what is in draws first.
   const auto by_it = [&](const StrokePart& part) {

@@ -33,19 +33,36 @@ std::vector<std::vector<Eigen::Vector3d>> left_out_in(const std::filesystem::pat
   return lines;
 }
 
-// The metrics of a covered area, a groove or a led blade come first.
+// The "metrics" of a tool's file; empty without it.
+nlohmann::ordered_json judged(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  const auto whole = nlohmann::ordered_json::parse(in, nullptr, false);
+  return whole.is_object() && whole.contains("metrics") ? whole["metrics"]
+                                                        : nlohmann::ordered_json::object();
+}
+
+// The metrics of a covered area, a groove, a led blade or a jet come first.
 void write_metrics(const std::filesystem::path& folder, const Metrics& metrics) {
   nlohmann::ordered_json all = nlohmann::ordered_json::object();
-  for (const char* const file : {kCoverFile, kGrooveFile, kBladeFile}) {
-    std::ifstream in(folder / file);
-    const auto judged = nlohmann::ordered_json::parse(in, nullptr, false);
-    if (judged.is_object() && judged.contains("metrics")) all.update(judged["metrics"]);
-  }
+  for (const char* const file : {kCoverFile, kGrooveFile, kBladeFile, kJetFile})
+    all.update(judged(folder / file));
   all.update(metrics_json(metrics));
   write_whole(folder / "metrics.json", all.dump(2) + "\n");
 }
 
 }  // namespace
+
+std::string tool_figures(const std::filesystem::path& folder) {
+  std::string text;
+  for (const char* const file : {kGrooveFile, kBladeFile, kJetFile}) {
+    const nlohmann::ordered_json figures = judged(folder / file);
+    for (const auto& [name, value] : figures.items())
+      if (value.is_number())
+        text += fmt::format("{}{} {:.3g}", text.empty() ? "  tool        " : ", ", name,
+                            value.get<double>());
+  }
+  return text.empty() ? text : text + "\n";
+}
 
 Backdrop backdrop_of(const Scenario& scenario, const PlacedArtwork& artwork,
                      const std::filesystem::path& folder, const TriangleMesh* canvas) {

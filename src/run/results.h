@@ -38,6 +38,10 @@ Metrics write_results(const std::filesystem::path& folder, const Scenario& scena
                       const PlacedArtwork& artwork, Backdrop backdrop,
                       const std::function<void()>& check = {}, const Canvas* canvas = nullptr);
 
+// For the terminal: the figures of a cutter, a blade or a nozzle whose run is in the folder, in one
+// line; empty for another tool.
+std::string tool_figures(const std::filesystem::path& folder);
+
 // The file of a covered area; its "metrics" come first in metrics.json.
 inline constexpr const char* kCoverFile = "cover.json";
 

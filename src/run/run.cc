@@ -80,6 +80,7 @@ bool writes(const Experiment& e, ContactMode mode, double normal_force, double p
   // lack force may stay untreated. A cutter cuts what it touches.
   const double asked = push > 0.0 ? push : control.normal_force;
   const ToolKind tool = e.scenario.tool.kind;
+  if (tool == ToolKind::nozzle) return true;
   const double least = tool == ToolKind::pad        ? 0.7 * asked
                        : tool == ToolKind::engraver ? 0.0
                                                     : InkWatch::least_force(asked);
@@ -90,10 +91,12 @@ bool writes(const Experiment& e, ContactMode mode, double normal_force, double p
 
 RunOutcome run(const Experiment& e, Driver& driver, const std::filesystem::path& log_file,
                double start_up, const RunHooks& hooks, const Resumption* resumption) {
-  if (e.scenario.drawing.dry_run && e.belief.by_touch())
-    throw InputError(
-        "drawing.dry_run: the surface is found by touch, so that nothing tells its height; valid "
-        "is null, or perception.enabled true");
+  if (!touches(e.scenario) && e.belief.by_touch())
+    throw InputError(fmt::format(
+        "{}: the surface is found by touch, so that nothing tells its height; valid is {}, or "
+        "perception.enabled true",
+        e.scenario.drawing.dry_run ? "drawing.dry_run" : "tool.kind is nozzle",
+        e.scenario.drawing.dry_run ? "null" : "a tool that touches"));
   const auto before_log = Clock::now();
   const HeldPen pen = first_pen(e, resumption);
   const std::unique_ptr<DrawingTask> drawing = drawing_of(e, driver, resumption, pen);

@@ -168,7 +168,7 @@ void SimulatedArm::look_for_faults() {
 
 void SimulatedArm::put_in(int number) noexcept {
   const ModelErrors& errors = scenario_.world.errors;
-  TipMaterial tip = scenario_.world.tip;
+  TipMaterial tip = true_tip(scenario_);
   double longer = errors.pen_longer;
   if (const auto i = static_cast<std::size_t>(number); number >= 0) {
     const LayerPenSettings& pen = scenario_.pens[i];
@@ -177,7 +177,7 @@ void SimulatedArm::put_in(int number) noexcept {
     tip.radius = pen.radius.value_or(tip.radius);
   }
   world_.set_tip(tip);
-  world_.set_pen_longer(longer);
+  world_.set_pen_longer(longer + stand_off_of(scenario_.tool));
 }
 
 void SimulatedArm::command(const JointVector& tau, const JointVector&) noexcept {

@@ -12,6 +12,7 @@
 #include "impedraw/drawing/polyline.h"
 #include "impedraw/ink/ink_lines.h"
 #include "impedraw/log/log_step.h"
+#include "impedraw/metrics/jet_figures.h"
 #include "impedraw/planning/stroke_part.h"
 
 namespace impedraw {
@@ -221,11 +222,26 @@ class BladeJudge : public ToolJudge {
   int corners_ = 0;
 };
 
+class JetJudge : public ToolJudge {
+ public:
+  explicit JetJudge(const Experiment& e)
+      : figures_(e.yardstick.canvas, e.scenario.tool.stand_off) {}
+  void add(const LogRow& row) override { figures_.add(row); }
+  nlohmann::ordered_json results() const override {
+    return {{"metrics", figures_.metrics()}, {"stand_off_mm", 1e3 * figures_.stand_off()}};
+  }
+  const char* file() const override { return kJetFile; }
+
+ private:
+  JetFigures figures_;
+};
+
 }  // namespace
 
 std::unique_ptr<ToolJudge> tool_judge(const Experiment& e) {
   if (e.scenario.tool.kind == ToolKind::engraver) return std::make_unique<GrooveJudge>(e);
   if (is_led(e.scenario.tool)) return std::make_unique<BladeJudge>(e);
+  if (e.scenario.tool.kind == ToolKind::nozzle) return std::make_unique<JetJudge>(e);
   return nullptr;
 }
 

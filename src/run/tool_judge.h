@@ -12,6 +12,7 @@ namespace impedraw {
 
 inline constexpr const char* kGrooveFile = "groove.json";
 inline constexpr const char* kBladeFile = "blade.json";
+inline constexpr const char* kJetFile = "jet.json";
 
 class ToolJudge {
  public:

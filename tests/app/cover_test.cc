@@ -97,6 +97,18 @@ TEST_F(Cover, TreatsAWindowOfTheDome) {
   EXPECT_NEAR(high[1] - low[1], 60.0 - 32.0, 3.0);
 }
 
+TEST_F(Cover, SpraysAWindowOfTheDome) {
+  ASSERT_EQ(run(window("1") + " --set tool.kind=nozzle --set tool.stand_off=0.06"), 0) << said();
+  const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_GT(metrics["treated_share"], 0.995);
+  EXPECT_GT(metrics["promised_share"], 0.9);
+  EXPECT_LT(metrics["coat_cv"], 0.1);
+  EXPECT_LT(metrics["coat_map_error"], 0.05);
+  EXPECT_LT(metrics["stand_off_error_rms"], 1.0);
+  EXPECT_FALSE(metrics.contains("pressure_mean"));
+  EXPECT_TRUE(metrics["force_mean"].is_null()) << metrics["force_mean"];
+}
+
 // The pad stands on the surface where that bends most of what its foam allows.
 TEST_F(Cover, StaysLevelOnATube) {
   ASSERT_EQ(run("--set canvas.kind=cylinder --set canvas.cylinder.radius=0.045 "

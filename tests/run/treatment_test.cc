@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "impedraw/experiment/scenario.h"
+
 namespace impedraw {
 namespace {
 
@@ -53,6 +55,32 @@ TEST(TreatmentMap, DoesNotDependOnTheHeightOfItsGrid) {
     const TreatmentMap off = after_a_line(height);
     for (std::size_t v = 0; v < off.grid().size(); ++v)
       ASSERT_NEAR(off.dose(v), right.dose(v), 0.01 * right.dose(3080)) << height;
+  }
+}
+
+// A jet coats a place for the time in which it is on it: the chord over the speed. It does so on a
+// ridge as on a plane.
+TEST(TreatmentMap, HasTheCoatOfAJet) {
+  TreatmentMap flat = after_a_line(0.0);
+  SurfaceGrid g = flat.grid();
+  for (std::size_t v = 0; v < g.size(); ++v) g.z[v] = -0.2 * std::abs(g.plane(v).y());
+  ToolSettings tool;
+  tool.kind = ToolKind::nozzle;
+  tool.radius = 0.01;
+  const PadSettings jet = *jet_of(tool, kForce);
+  for (const SurfaceGrid& grid : {flat.grid(), g}) {
+    TreatmentMap map(grid, jet, kForce, kSpeed);
+    const Eigen::AngleAxisd down(std::numbers::pi, Eigen::Vector3d::UnitX());
+    for (double t = 0.0; t < 1.0; t += kDt)
+      map.press({{-0.05 + kSpeed * t, 0.0, 0.0}, down.toRotationMatrix()}, kForce,
+                Eigen::Vector3d::UnitX(), t, kDt);
+    for (std::size_t v = 0; v < grid.size(); ++v) {
+      const Eigen::Vector2d p = grid.plane(v);
+      if (std::abs(p.x()) > 0.02 || std::abs(p.y()) > 0.9 * 0.01) continue;
+      const double time = 2.0 * std::sqrt(1e-4 - p.y() * p.y()) / kSpeed;
+      ASSERT_NEAR(map.dose(v) / (kForce / jet.area()), time, 0.01 * time + 2.0 * kDt);
+      ASSERT_TRUE(map.treated(v));
+    }
   }
 }
 
