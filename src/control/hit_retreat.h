@@ -1,7 +1,7 @@
 // A lifted pen yields to what hits it: its reference retreats along the force, and returns slowly.
 //
-//   m ẇ = f − b w      w: of the retreat; f: the measured force beyond kFelt
-//   ṡ = w              until the force is gone; then s → s + kClear f̂, where nothing touches
+//   m ẇ = f − b w           w: of the retreat; f: the measured force beyond kFelt
+//   ṡ = w + kClearSpeed f̂   until kClear beyond the place where the force ended
 //
 // After kRest without a force, or once the pen comes down, s returns to zero at kReturn: never at
 // once, or the pen would dash at what hit it. The law's own stiffness would otherwise push against
@@ -40,7 +40,7 @@ class HitRetreat {
     }
     since_ += dt;
     w_ += dt / kMass * (beyond - kDamping * w_);
-    if (left_ > 0.0 && since_ > 0.0) {
+    if (left_ > 0.0) {
       const double way = std::min(left_, kClearSpeed * dt);
       left_ -= way;
       s_ += way * away_;

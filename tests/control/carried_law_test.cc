@@ -96,5 +96,69 @@ TEST(CarriedLaw, ARisingSurfaceIsFollowedAndReported) {
       << "the damping along n acts on the motion that the surface lacks";
 }
 
+// The share of the normal falls while a joint is fast.
+TEST(CarriedLaw, OnACarrierTheNormalComesFirstWhereTorqueLacksUnlessAJointIsFast) {
+  AnyArm any(5);
+  Drawing pen(any);
+  pen.arm.v = JointVector::Zero(7);
+  pen.arm.v[3] = 0.3;
+  const FrameMotion stands;
+  const auto tau = [&](double share_of_speed, const FrameMotion* carrier) {
+    ImpedanceSettings s = unobserved();
+    s.limits.torque_rate = Eigen::VectorXd::Constant(7, 400.0);
+    s.limits.joint_speed = Eigen::VectorXd::Constant(7, 0.3 / share_of_speed);
+    ImpedanceController controller(s, 7);
+    ArmTerms arm = pen.arm;
+    controller.step(arm, pen.plan, pen.surface, pen.F_ext, {}, carrier);
+    arm.g[2] += 3.0;
+    return controller.step(arm, pen.plan, pen.surface, pen.F_ext, {}, carrier).tau;
+  };
+  const JointVector first = tau(0.05, &stands), last = tau(0.05, nullptr);
+  EXPECT_GT((first - last).norm(), 0.01);
+  EXPECT_LT((tau(0.29, &stands) - first).norm(), 1e-9);
+  EXPECT_LT((tau(0.61, &stands) - last).norm(), 1e-9);
+  EXPECT_GT((tau(0.45, &stands) - first).norm(), 1e-3);
+  EXPECT_GT((tau(0.45, &stands) - last).norm(), 1e-3);
+}
+
+TEST(CarriedLaw, TheFrictionOfThePlansMotionIsFedForwardAsAForceAtTheTip) {
+  AnyArm any(6);
+  Drawing pen(any);
+  const Vector3d along = pen.surface.n_W.unitOrthogonal();
+  pen.plan.v_WD = 0.05 * along;
+  const auto feedforward = [&](double coefficient) {
+    ImpedanceSettings s = unobserved();
+    s.wrench = WrenchFeedback::none;
+    s.inertia = InertiaShaping::natural;
+    s.friction.feedforward = coefficient;
+    pen.controller = ImpedanceController(s, 7);
+    while (pen.controller.step(pen.arm, pen.plan, pen.surface, pen.F_ext, {}).mode !=
+           ContactMode::contact) {
+    }
+    return JointVector(pen.settle(nullptr).terms.col(kFeedforward));
+  };
+  Vector6 F = Vector6::Zero();
+  F.head<3>() = 0.4 * ImpedanceSettings().normal_force * along;
+  EXPECT_LT((feedforward(0.4) - feedforward(0.0) - pen.arm.J.transpose() * F).norm(), 0.01);
+}
+
+// A soft tip gives way as the push builds up after the touch.
+TEST(CarriedLaw, TheInksPlaceFollowsThePushThatActs) {
+  AnyArm any(7);
+  Drawing pen(any);
+  ImpedanceSettings s = unobserved();
+  s.tip.stiffness = 5e3;
+  pen.controller = ImpedanceController(s, 7);
+  const auto give = [&] {
+    const ImpedanceTorque& out = pen.controller.step(pen.arm, pen.plan, pen.surface, pen.F_ext, {});
+    return pen.surface.n_W.dot(pen.plan.p_WD - out.p_WD);
+  };
+  for (int i = 0; i < 2; ++i) give();
+  const double whole = s.normal_force / s.tip.stiffness;
+  EXPECT_LT(give(), 0.3 * whole);
+  for (int i = 0; i < 500; ++i) give();
+  EXPECT_NEAR(give(), whole, 1e-3 * whole);
+}
+
 }  // namespace
 }  // namespace impedraw

@@ -139,6 +139,18 @@ TEST(NormalTracker, HasNoLagOnASteadyTurn) {
   EXPECT_NEAR(tracker.n().norm(), 1.0, 1e-12);
 }
 
+TEST(NormalTracker, TurnsTheNormalExactlyHoweverFast) {
+  for (const double turn : {1e-3, 0.02, 0.5, 2.0}) {
+    NormalTracker tracker(40.0, 1e-3);
+    const Eigen::Vector3d n = Eigen::Vector3d(0.2, -0.3, 0.9).normalized();
+    tracker.reset(n, 1e3 * turn * n.unitOrthogonal());
+    tracker.coast();
+    const double angle = 1e-3 * tracker.w().norm();
+    EXPECT_GT(angle, 0.8 * turn);
+    EXPECT_LT((Eigen::AngleAxisd(angle, n.unitOrthogonal()) * n - tracker.n()).norm(), 1e-14);
+  }
+}
+
 TEST(NormalTracker, FollowsAChangingTurnByThePlan) {
   NormalTracker with(40.0, 1e-3), without(40.0, 1e-3);
   const double alpha = 2.0;

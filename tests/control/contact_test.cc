@@ -126,13 +126,15 @@ TEST(SurfaceContact, ApproachesAtItsSpeedWaitsForATipThatIsHeldAndEndsBeneathThe
   const ApproachSettings& approach = over.settings.approach;
   const double dt = over.settings.timing.dt;
   over.surface.distance = 5e-3;
-  for (int i = 1; i <= 200; ++i) {  // the tip is held; the desired distance runs ahead by `lag`
+  for (int i = 1; i <= 300; ++i) {  // the tip is held; the desired distance runs ahead by `lag`
     const Contact& now = over.step();
     ASSERT_EQ(now.mode, ContactMode::approach);
     ASSERT_GE(now.off_target, -approach.lag - approach.speed * dt - 1e-12);
     if (i * approach.speed * dt < approach.lag) {
       ASSERT_EQ(now.sinking, approach.speed);
       ASSERT_NEAR(now.off_target, -i * approach.speed * dt, 1e-12);
+    } else {
+      ASSERT_NEAR(now.off_target, -approach.lag, approach.speed * dt + 1e-12);
     }
   }
   EXPECT_NEAR(over.step().off_target, -approach.lag, approach.speed * dt + 1e-12);
@@ -179,6 +181,77 @@ TEST(SurfaceContact, WhatIsFeltCorrectsTheNormalAndTellsWhereTheBallTouches) {
   over.F_ext.setZero();
   const Contact& after = over.step();
   EXPECT_EQ(after.n_C, after.n);
+}
+
+TEST(SurfaceContact, AnEstimateOfTheOtherSideIsTheSameSurface) {
+  OverAPlane same, other;
+  same.surface.distance = 5e-3;
+  other.surface.distance = -5e-3;
+  other.surface.n_W = -same.surface.n_W;
+  for (int i = 0; i < 50; ++i) {
+    const Contact &a = same.step(), &b = other.step();
+    ASSERT_EQ(b.mode, a.mode);
+    ASSERT_EQ(b.sinking, a.sinking);
+    ASSERT_EQ(b.off_target, a.off_target);
+  }
+}
+
+TEST(SurfaceContact, ThePlansForceOutranksTheSettings) {
+  OverAPlane over;
+  EXPECT_EQ(over.step().force, over.settings.normal_force);
+  over.plan.force = 0.5 * over.settings.normal_force;
+  EXPECT_EQ(over.step().force, over.plan.force);
+}
+
+TEST(SurfaceContact, WithoutAWrenchATipThatLagsBehindTheApproachTouches) {
+  ImpedanceSettings s;
+  s.wrench = WrenchFeedback::none;
+  OverAPlane over(s);
+  over.surface.distance = 0.9 * s.contact.enter_distance;
+  int steps = 0;
+  while (over.step().mode != ContactMode::contact) ASSERT_LT(++steps, 1000);
+  EXPECT_NEAR(steps * s.approach.speed * s.timing.dt, s.contact.touch_gap,
+              2.0 * s.approach.speed * s.timing.dt);
+}
+
+TEST(SurfaceContact, AFirmTouchHoldsWhileALateEstimateOfACarrierLiesFarOff) {
+  for (const double distance : {-9e-3, -2e-3, 2e-3}) {
+    OverAPlane over;
+    over.F_ext[2] = 1.0;
+    for (int i = 0; i < 2; ++i) over.step();
+    over.F_ext[2] = 5.0;
+    over.surface.distance = distance;
+    for (int i = 0; i < 100; ++i) ASSERT_EQ(over.step().mode, ContactMode::contact) << distance;
+  }
+}
+
+TEST(SurfaceContact, TheApproachRisesWithTheSurfaceThatTheTipHasLeft) {
+  OverAPlane over;
+  over.touch();
+  over.arm.V_WE[2] = 0.1;
+  for (int i = 0; i < 200; ++i) over.step();
+  over.F_ext.setZero();
+  over.surface.distance = 5e-3;
+  while (over.step().mode == ContactMode::contact) {
+  }
+  Contact before = over.step();
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_GT(before.rise, 0.05);
+    const Contact now = over.step();
+    ASSERT_NEAR(now.off_target - before.off_target, before.rise * over.settings.timing.dt, 1e-12);
+    before = now;
+  }
+}
+
+// Within what is known of a carrier's acceleration, its velocity is believed.
+TEST(SurfaceContact, ASmallUnexplainedAccelerationOfTheCarrierIsItsOwn) {
+  OverAPlane over;
+  over.touch();
+  for (int i = 0; i < 100; ++i) {
+    over.carrier.v[2] += 0.09 * over.settings.timing.dt;
+    over.arm.V_WE.head<3>() = over.carrier.v;
+    ASSERT_NEAR(over.step().rise, 0.0, 1e-12);
+  }
 }
 
 }  // namespace

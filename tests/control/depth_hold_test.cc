@@ -59,5 +59,43 @@ TEST(DepthHold, KeepsTheForceWhereNothingWasTouched) {
     EXPECT_EQ(cut.hold.force(reference, Vector3d(0.3, 0, 0), Vector3d::UnitZ(), 3.0, true), 3.0);
 }
 
+// The depth beneath what was touched beside the tip, each place by its nearness across the normal.
+TEST(DepthHold, NearerPlacesCountForMoreInADeepCut) {
+  const Vector3d places[] = {{0.25e-3, 0.25e-3, 0.1e-3}, {0.6e-3, 0.25e-3, 0.25e-3}},
+                 p_E(0.3e-3, 0.25e-3, -1.3e-3);
+  DepthHold hold{{kCut, 0.0, 3e-4}, kCycle};
+  double sum = 0.0, weights = 0.0;
+  for (const Vector3d& p : places) {
+    hold.touch(p, Vector3d::UnitZ(), 0.0);
+    const double weight = 1.0 / (1e-8 + std::pow(p.x() - p_E.x(), 2));
+    sum += weight * (p - p_E).z();
+    weights += weight;
+  }
+  TipReference reference;
+  reference.force = 3.0;
+  reference.depth = 1.5e-3;
+  reference.v_WD.x() = kFeed;
+  const double F = hold.force(reference, p_E, Vector3d::UnitZ(), 3.0, true);
+  EXPECT_NEAR(F - 3.0, DepthHold::kRate * kCut * kCycle * (1.5e-3 - sum / weights), 1e-9);
+}
+
+TEST(DepthHold, BeforeItTouchesTheForceIsThatForTheMaterialAsLearned) {
+  for (const double hardness : {0.8, 1.3}) {
+    Cut cut{hardness};
+    TipReference reference;
+    reference.force = 3.0;
+    reference.depth = 3e-4;
+    const auto in_the_air = [&] {
+      return cut.hold.force(reference, Vector3d::Zero(), Vector3d::UnitZ(), 0.0, false);
+    };
+    EXPECT_EQ(in_the_air(), 3.0) << "nothing is learned yet";
+    cut.pass(kCut * kScore, 0.0, 0.1);
+    cut.pass(kCut * 3e-4, 3e-4, 0.1);
+    EXPECT_NEAR(in_the_air(), 3.0 * hardness, 0.05 * 3.0);
+    reference.depth = 0.0;
+    EXPECT_EQ(in_the_air(), 3.0);
+  }
+}
+
 }  // namespace
 }  // namespace impedraw

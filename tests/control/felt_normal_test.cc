@@ -101,5 +101,17 @@ TEST(FeltNormal, IsForgottenWithTheContactAndUnusedWithoutAShare) {
   EXPECT_EQ(felt({}, n, f, slip).seen_from(n), n);
 }
 
+TEST(FeltNormal, FollowsWithinItsTime) {
+  FeltNormalSettings s;
+  s.share = 1.0;
+  s.deviation = s.force_error = 0.0;
+  FeltNormal normal(s, kDt);
+  const Vector3d n = Vector3d::UnitZ();
+  for (int i = 1; i <= 15; ++i) {
+    normal.update(n, {0.0, 0.05, 5.0}, Vector3d::UnitX(), kFriction, 1.0);
+    ASSERT_NEAR(normal.seen_from(n).y(), 0.01 * (1.0 - std::pow(1.0 - kDt / 5e-3, i)), 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace impedraw

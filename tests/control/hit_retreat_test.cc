@@ -84,5 +84,18 @@ TEST(HitRetreat, SmallForcesAndAPenOnTheCanvasMoveNothing) {
   EXPECT_EQ(retreat.shift().norm(), 0.0);
 }
 
+TEST(HitRetreat, GoesAsFastAsItsDamperLetsTheForceBeyondWhatIsFelt) {
+  HitRetreat retreat;
+  for (int i = 0; i < 300; ++i) retreat.update({0.0, 8.0, 0.0}, true, 1e-3);
+  EXPECT_NEAR(retreat.of({}).v_WD.y(), (8.0 - HitRetreat::kFelt) / HitRetreat::kDamping, 1e-6);
+}
+
+TEST(HitRetreat, GoesClearOfWhatTouchedItBrieflyAndNoFurther) {
+  HitRetreat retreat;
+  retreat.update({0.0, 0.0, 2.0001}, true, 1e-3);
+  for (int i = 0; i < 500; ++i) retreat.update(Vector3d::Zero(), true, 1e-3);
+  EXPECT_NEAR(retreat.shift().z(), HitRetreat::kClear, 1e-6);
+}
+
 }  // namespace
 }  // namespace impedraw

@@ -179,5 +179,18 @@ TEST(VelocityDelay, BoundsTheDampingAndTheInertiaInContact) {
   }
 }
 
+TEST(ImpedanceSettings, DampingIsDesignedForTheStiffnessOrWhereThereIsNoneForItsReference) {
+  const auto values = [](const TipGain& k) {
+    return std::vector<double>{k.linear.tangent, k.linear.normal, k.angular.tangent,
+                               k.angular.normal};
+  };
+  ImpedanceSettings s;
+  s.stiffness = {{1.0, 2.0}, {3.0, 4.0}};
+  s.reference_stiffness = {{5.0, 6.0}, {7.0, 8.0}};
+  EXPECT_THAT(values(s.damping_stiffness()), testing::ElementsAre(1.0, 2.0, 3.0, 4.0));
+  s.stiffness = {{0.0, 0.0}, {0.0, 0.0}};
+  EXPECT_THAT(values(s.damping_stiffness()), testing::ElementsAre(5.0, 6.0, 7.0, 8.0));
+}
+
 }  // namespace
 }  // namespace impedraw

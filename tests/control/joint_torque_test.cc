@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "any_arm.h"
 #include "dense_algebra.h"
@@ -60,6 +61,11 @@ TEST(JointRange, AJointAtItsHighestSpeedComesToRestShortOfTheEnd) {
     q[3] = 1.1 * way;
     EXPECT_EQ(range.most_speed(q, 3, way), 0.0);
   }
+  JointVector q = JointVector::Zero(7);
+  for (const double q_2 : {-0.7, 0.0, 0.6}) {
+    q[2] = q_2;
+    EXPECT_NEAR(range.room(q), 1.0 - std::abs(q_2), 1e-12);
+  }
   EXPECT_EQ(JointRange(ImpedanceSettings{}).room(JointVector::Zero(7)),
             std::numeric_limits<double>::infinity());
 }
@@ -84,6 +90,35 @@ TEST(Heading, TurnsThePenSoThatJointsLeaveTheirMargins) {
     EXPECT_LT(side * v[j], 0.0);
     EXPECT_LE(std::abs(rate), kHeadingRate);
   }
+}
+
+TEST(Heading, YawIsTheTurnAboutTheNormalOfWhatMayLean) {
+  AnyArm any(8);
+  for (int i = 0; i < 50; ++i) {
+    const Vector3d n = any.direction(), a = n.unitOrthogonal();
+    const double yaw = any.number(-3.1, 3.1);
+    const Vector3d b = Eigen::AngleAxisd(yaw, n) * a;
+    EXPECT_NEAR(yaw_between(a + any.number(-2, 2) * n, b + any.number(-2, 2) * n, n), yaw, 1e-12);
+  }
+}
+
+TEST(Heading, ALedPenTurnsAboutItsNormalAsItsPlanDoes) {
+  const Vector3d n = Vector3d(0.3, -0.2, 0.9).normalized();
+  Pose X_WE;
+  X_WE.R.col(0) = n.unitOrthogonal();
+  TipReference plan;
+  plan.x_WD = Eigen::AngleAxisd(0.4, n) * X_WE.R.col(0);
+  plan.yaw_rate = 1.2;
+  plan.yaw_acceleration = -0.7;
+  TipTarget d;
+  d.axis_WD = n;
+  d.V = d.Vdot = d.Ke = Vector6::Ones();
+  lead_heading(plan, X_WE, 3.0, &d);
+  Vector6 about = Vector6::Zero();
+  about.tail<3>() = n;
+  EXPECT_LT((d.V - Vector6::Ones() - 1.2 * about).norm(), 1e-12);
+  EXPECT_LT((d.Vdot - Vector6::Ones() + 0.7 * about).norm(), 1e-12);
+  EXPECT_LT((d.Ke - Vector6::Ones() - 3.0 * 0.4 * about).norm(), 1e-12);
 }
 
 TEST(SpeedLimit, KeepsTheTipAndEveryJointWithinTheirLimits) {
@@ -126,6 +161,55 @@ TEST(SpeedLimit, KeepsTheTipAndEveryJointWithinTheirLimits) {
   }
   EXPECT_GT(changed, 50);
   EXPECT_LT(changed, 280);
+}
+
+TEST(SpeedLimit, OneFastPartOfATargetThatElseStandsIsLimited) {
+  for (const bool joints : {false, true}) {
+    ImpedanceSettings s = joints ? with_ranges(3.0, 10.0) : ImpedanceSettings();
+    s.limits.tip_speed = 0.2;
+    s.limits.turn_speed = 0.3;
+    const SpeedLimit limit(s);
+    TipImpedance impedance(s);
+    AnyArm any(9);
+    const Posture at(any.terms(0.0));
+    impedance.update(at.space, Vector3d::UnitZ());
+    for (int part = 0; part < 4; ++part) {
+      TipTarget d;
+      d.V = d.Vdot = d.Ke = Vector6::Zero();
+      const Vector3d way = 0.4 * any.direction();
+      if (part < 2) d.V.segment<3>(3 * part) = way;
+      if (part == 2) d.Ke.head<3>() = s.stiffness.linear.tangent * way;
+      if (part == 3) d.Ke.tail<3>() = s.stiffness.angular.tangent * way;
+      EXPECT_TRUE(limit.apply(at.arm, at.space, impedance, JointRange(s), &d)) << part;
+    }
+  }
+}
+
+TEST(SpeedLimit, TheFastestJointGetsAsMuchAsItMayAlsoSlowlyAtItsEnd) {
+  for (const bool at_end : {false, true}) {
+    ImpedanceSettings s = with_ranges(3.0, at_end ? 10.0 : 0.4);
+    s.limits.tip_speed = s.limits.turn_speed = 10.0;
+    const SpeedLimit limit(s);
+    const JointRange range(s);
+    TipImpedance impedance(s);
+    AnyArm any(10);
+    for (int i = 0; i < 30; ++i) {
+      ArmTerms arm = any.terms(0.0);
+      if (at_end) arm.q[i % 7] = 2.98;
+      const Posture at(arm);
+      impedance.update(at.space, Vector3d::UnitZ());
+      TipTarget d;
+      d.V = d.Vdot = d.Ke = Vector6::Zero();
+      d.V.head<3>() = (at_end ? 0.05 : 1.0) * any.direction();
+      const Eigen::VectorXd asked = at.J_bar() * d.V;
+      Eigen::VectorXd most(7);
+      for (int j = 0; j < 7; ++j) most[j] = range.most_speed(arm.q, j, asked[j]);
+      const double share = std::min(1.0, (most.array() / asked.array().abs()).minCoeff());
+      const Vector6 expected = share * d.V;
+      limit.apply(arm, at.space, impedance, range, &d);
+      EXPECT_LT((d.V - expected).norm(), 1e-9);
+    }
+  }
 }
 
 TEST(NullSpace, PullsCalmsAndKeepsOffTheEndsWithoutMovingTheTip) {

@@ -233,6 +233,8 @@ TEST(MomentumObserver, RefusesWhatItCannotKeepOrReach) {
   EXPECT_THROW(MomentumObserver(observer_of(200.0), 7, kDt, 0.1, 0.0), InputError);
   EXPECT_THROW(MomentumObserver(observer_of(200.0), 7, kDt, 0.0, 0.1), InputError);
   EXPECT_THROW(MomentumObserver(observer_of(200.0), 7, kDt, -kDt, 0.0), InputError);
+  EXPECT_NO_THROW(MomentumObserver(observer_of(200.0), 7, kDt, 30 * kDt, 30 * kDt));
+  EXPECT_THROW(MomentumObserver(observer_of(200.0), 7, kDt, 31 * kDt, 0.0), InputError);
   EXPECT_THROW(MomentumObserver(observer_of(std::nan("")), 7, kDt, 0.0, 0.0), InputError);
 }
 

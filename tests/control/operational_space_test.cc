@@ -67,6 +67,16 @@ TEST(OperationalSpace, ReleasesALostDirectionAndSaysSo) {
   EXPECT_LT(released, 1001);
 }
 
+TEST(OperationalSpace, ReleasesATurnThatTheArmHasLost) {
+  ArmModel arm(kArm);
+  ArmTerms t(7);
+  arm.compute(working_posture(), JointVector::Zero(7), &t);
+  OperationalSpace space;
+  EXPECT_TRUE(space.update(t));
+  t.J.row(4) *= 1e-4;
+  EXPECT_FALSE(space.update(t));
+}
+
 // B column by column.
 Matrix6 matrix_of(ModalDamping& modal, const Matrix6& U, const Matrix6& U_inverse, const Matrix6& K,
                   double damping_ratio) {

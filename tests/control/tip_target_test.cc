@@ -201,5 +201,59 @@ TEST(TipTarget, OnThePlanThePoseIsFollowedAndARetreatGoesOut) {
   EXPECT_LT((d.p_WD - plan.p_WD - s.approach.retreat_height * plan.n_WD).norm(), 1e-12);
 }
 
+// On a ball, whose normal turns as the tip goes, by finite differences of the plan's shadow there.
+TEST(TipTarget, OnACurvedSurfaceIsTheSecondDerivativeOfThePlansShadow) {
+  AnyArm any(5);
+  constexpr double kRadius = 0.3, h = 1e-4;
+  for (int i = 0; i < 20; ++i) {
+    const Swing path = swing(any, 0.05);
+    const Vector3d z = any.direction();
+    const auto shadow = [&](double t) {
+      const Vector3d p = path.at(t), flat = p - z * z.dot(p);
+      return Vector3d(flat + z * std::sqrt(kRadius * kRadius - flat.squaredNorm()));
+    };
+    const Vector3d before = shadow(-h), now = shadow(0.0), after = shadow(h);
+    TipReference plan;
+    plan.p_WD = path.at(0.0);
+    plan.v_WD = path.at(0.0, 1);
+    plan.a_WD = path.at(0.0, 2);
+    Contact contact;
+    contact.mode = ContactMode::contact;
+    contact.n = contact.n_C = contact.n_T = now / kRadius;
+    contact.w_T = now.cross(after - before) / (2 * h * kRadius * kRadius);
+    const TipTarget d = target_on_surface({any.terms(), plan, {}, Wrench::Zero(), false, nullptr},
+                                          contact, 0.0, of_a_point(ErrorProjection::lifted, z));
+    EXPECT_LT((d.V.head<3>() - (after - before) / (2 * h)).norm(), 1e-6);
+    EXPECT_LT((d.Vdot.head<3>() - (after - 2.0 * now + before) / (h * h)).norm(), 1e-5);
+  }
+}
+
+TEST(TipTarget, TheRestOfTheMotionAlongTheNormalAndThePapersError) {
+  AnyArm any(6);
+  const ArmTerms arm = any.terms();
+  TipReference plan;
+  plan.p_WD = arm.X_WE.p + any.vector(0.01);
+  const Vector3d n = plan.n_WD, e = plan.p_WD - arm.X_WE.p;
+  Contact contact;
+  const StepInput in{arm, plan, {}, Wrench::Zero(), false, nullptr};
+  contact.rise = 0.03;
+  EXPECT_LT((target_on_plan(in, contact, {}).V.head<3>() - 0.03 * n).norm(), 1e-12);
+  contact.mode = ContactMode::approach;
+  contact.sinking = 0.02;
+  const Vector3d along_surface = Vector3d(1.0, 0.0, 0.1).normalized();
+  TipTarget d =
+      target_on_surface(in, contact, 0.0, of_a_point(ErrorProjection::lifted, along_surface));
+  EXPECT_LT((d.V.head<3>() + 0.02 * n).norm(), 1e-12) << "on a wall along the axis";
+  contact.mode = ContactMode::contact;
+  contact.force_rate = 4.0;
+  ImpedanceSettings s = of_a_point(ErrorProjection::paper, Vector3d(0.0, 0.6, 0.8));
+  s.tip.stiffness = 5e3;
+  d = target_on_surface(in, contact, 0.0, s);
+  EXPECT_LT((d.V.head<3>() + 4.0 / 5e3 * n).norm(), 1e-12) << "a swelling force goes deeper";
+  const Vector3d z = s.surface.drawing_axis_W, seen = z.cross(e).cross(z);
+  EXPECT_LT((d.Ke.head<3>() - s.stiffness.linear.tangent * Vector3d(seen.x(), seen.y(), 0)).norm(),
+            1e-9);
+}
+
 }  // namespace
 }  // namespace impedraw
