@@ -74,7 +74,7 @@ inline TipImpulse solve_tip_contact(
   A(2, 2) += 1.0;
   const Eigen::Vector3d rhs(-s.v_free[0], -s.v_free[1], spring - hb * s.v_free[2]);
   const Eigen::Vector3d stuck = A.inverse() * rhs;
-  if (stuck[2] > 0.0 && stuck.head<2>().norm() <= tip.friction * stuck[2]) return {stuck};
+  if (stuck.head<2>().norm() <= tip.friction * stuck[2]) return {stuck};
 
   // Sliding: projected Gauss-Seidel between the normal and the friction disc.
   const double trace = G_tt.trace(), det = G_tt.determinant();

@@ -77,6 +77,8 @@ TEST(Blade, SinksByTheForce) {
 
 TEST(Blade, TurnsOnTheSpotAgainstItsHalfLength) {
   const PadSettings edge = blade_edge({}, 2e-3, kForce);
+  EXPECT_EQ(edge.radius, 2e-3);
+  EXPECT_GE(edge.thickness, 5e-3);
   Vector6 V = Vector6::Zero();
   V[5] = 20.0;
   const double M = edge.friction_across * kForce * edge.radius / 2.0;

@@ -148,6 +148,8 @@ TEST(CanvasMotion, RefusesWhatIsNoMotion) {
   CanvasMotionSettings stop;
   stop.stop = -1.0;
   EXPECT_THROW(CanvasMotion{stop}, InputError);
+  stop.stop = stop.start + 0.9 * stop.ramp;
+  EXPECT_THROW(CanvasMotion{stop}, InputError);
   CanvasMotionSettings fast;
   fast.velocity = {3.0, 0.0, 0.0};
   EXPECT_THROW(CanvasMotion{fast}, InputError);

@@ -115,5 +115,25 @@ TEST(Cutter, DeepensItsGroove) {
   EXPECT_NEAR(slide.cut(0.0, 3e-3, fresh), 3e-4, 3e-6) << "beside it";
 }
 
+// However slowly it goes, and what it leaves is the deepest of its cuts.
+TEST(CutterContact, DoesNotMeetItsOwnCutBeforeItHasLeft) {
+  const CutterSettings s;
+  CutterContact cutter(s);
+  TipMaterial tip;
+  Vector3d side;
+  const auto engage = [&](double x, double depth, double speed) {
+    cutter.engage({x, 0, 0}, Vector3d::UnitZ(), {speed, 0, 0}, depth, 1e-3, &tip, &side);
+    return tip.stiffness * depth;
+  };
+  const double fresh = cut_forces(s, 3e-4, 0.0, 2e-3).normal;
+  for (int i = 0; i < 1000; ++i) ASSERT_NEAR(engage(2e-6 * i, 3e-4, 2e-3), fresh, 1e-9) << i;
+  cutter.release();
+  EXPECT_EQ(engage(1e-3, 3e-4, 2e-3), 0.0);
+  for (const double depth : {1e-4, 4e-4, 2e-4}) engage(0.1, depth, 2e-3);
+  cutter.release();
+  EXPECT_EQ(engage(0.1, 4e-4, 2e-3), 0.0);
+  EXPECT_GT(engage(0.1, 4.1e-4, 2e-3), 0.0);
+}
+
 }  // namespace
 }  // namespace impedraw

@@ -233,6 +233,16 @@ TEST(JointSprings, AreRefusedByNameWhatTheyLack) {
 }
 
 // Stribeck's curve, typed in again, as the speed that a step takes from a slide.
+TEST(JointSprings, AMotorThatSticksStandsWhileItsLinkMoves) {
+  JointSprings springs(elastic(4e3, 8.0, 1.5).joint_spring, JointVector::Zero(1),
+                       GearFriction({}, JointVector::Constant(1, 50.0)), 1e-3);
+  const JointVector zero = JointVector::Zero(1), v = JointVector::Constant(1, 0.1);
+  springs.reset(zero, zero, zero);
+  springs.begin(zero, zero, v);
+  springs.finish(v);
+  EXPECT_NEAR(springs.theta_rate()[0], 0.0, 1e-15);
+}
+
 TEST(GearFriction, FollowsStribecksCurveLoadAndPlace) {
   const double coulomb = 1.5, h = 1e-3;
   for (const double v : {1e-3, 0.01, 0.02, 0.05, 0.5}) {

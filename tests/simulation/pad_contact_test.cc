@@ -75,6 +75,28 @@ TEST(Pad, SticksByItsShear) {
   EXPECT_NEAR(sticks.f.x(), -0.5 * s.stiffness * s.area() * 50e-6, 1e-9);
 }
 
+// Pressed at 20 mm/s the foam resists more, along the normal alone.
+TEST(Pad, DampsWhatPressesIt) {
+  PadSettings s;
+  s.damping = 0.01 * s.stiffness;
+  PadContact pad(s);
+  Vector6 V = Vector6::Zero();
+  V[2] = -0.02;
+  const PadLoad at = pad.press(plane(), pressed(1.2e-3), V, 1e-3);
+  EXPECT_NEAR(at.f.z(), s.stiffness * s.area() * (1.2e-3 + 0.01 * 0.02), 1e-9);
+  EXPECT_NEAR(at.n.z(), 1.0, 1e-12);
+}
+
+// The middle of a line lies `trail` behind E, and both of its halves bear alike.
+TEST(Pad, ALineTrailsBehind) {
+  PadSettings s;
+  s.face = PadFace::edge;
+  s.trail = 4e-3;
+  const Pose X = pressed(1.2e-3);
+  const PadLoad at = PadContact(s).press(plane(), X, Vector6::Zero(), 1e-3);
+  EXPECT_LT((at.centre - X.p + s.trail * X.R.col(0)).head<2>().norm(), 1e-9);
+}
+
 // Drake's hydroelastic contact of the same foam, by tests/foreign/drake/pad.py (Drake 1.51.1): the
 // disc on a plane, partly lifted at 0.2 rad and 1 mm, and a ball that dents it. Drake's ball has
 // facets: its force is 2 % less than k π d² (R − d/3), the sphere's.

@@ -2,8 +2,10 @@
 // forms.
 #include "impedraw/simulation/world.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -208,6 +210,35 @@ TEST(TipContact, ADroppedMassPeaksAsTheDampedOscillator) {
     EXPECT_NEAR(drop_peak(speed, 0.5e-3), drop_peak(speed, 1e-3), 0.01 * expected)
         << "speed " << speed;
   }
+}
+
+// Of a tip whose inertia differs by its direction: Coulomb's law and the spring's, for the velocity
+// that the impulse leaves.
+TEST(TipContact, ImpulsesOfAnyInertiaFitTheVelocityThatTheyLeave) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const auto any = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+  const TipMaterial tip;
+  int sliding = 0;
+  for (int i = 0; i < 200; ++i) {
+    TipContactStep s{Eigen::Matrix3d::Identity(), 0.02 * any(), 1e-3, 1e-3};
+    for (int k = 0; k < 2; ++k) {
+      const Eigen::Vector3d a = 0.5 * any();
+      s.G += a * a.transpose();
+    }
+    const TipImpulse impulse = solve_tip_contact(s, tip);
+    ASSERT_TRUE(impulse.converged);
+    const Eigen::Vector3d& p = impulse.p;
+    const Eigen::Vector3d v = s.v_free + s.G * p;
+    EXPECT_NEAR(p[2], std::max(0.0, s.dt * (tip.stiffness * s.penetration - tip.damping * v[2])),
+                1e-9);
+    EXPECT_LE(p.head<2>().norm(), tip.friction * p[2] + 1e-9);
+    if (v.head<2>().norm() < 1e-9) continue;
+    ++sliding;
+    EXPECT_LT((p.head<2>() + tip.friction * p[2] * v.head<2>().normalized()).norm(), 1e-9);
+  }
+  EXPECT_GT(sliding, 50);
+  EXPECT_LT(sliding, 190);
 }
 
 }  // namespace
