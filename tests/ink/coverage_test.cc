@@ -24,12 +24,13 @@ TEST(WithinReach, BallAtEachEndAndTubeBetween) {
     EXPECT_NEAR(a, first, 1e-12);
     EXPECT_NEAR(b, second, 1e-12);
   };
-  expect({{0, 0, 0}, {0, 0, 0}}, 9, 11);           // a dot on the line
-  expect({{0, 0.6, 0}, {0, 0.6, 0}}, 9.2, 10.8);   // beside it
-  expect({{0, 0.6, 0}, {2, 0.6, 0}}, 9.2, 12.8);   // parallel
-  expect({{0, -5, 0}, {0, 5, 0}}, 9, 11);          // across
-  expect({{0, 0.6, -5}, {0, 0.6, 5}}, 9.2, 10.8);  // across, passing by
-  expect({{9.5, 0, 0}, {30, 0, 0}}, 18.5, 20);     // clipped to the segment
+  expect({{0, 0, 0}, {0, 0, 0}}, 9, 11);                                       // a dot on the line
+  expect({{0, 0.6, 0}, {0, 0.6, 0}}, 9.2, 10.8);                               // beside it
+  expect({{0, 0.6, 0}, {2, 0.6, 0}}, 9.2, 12.8);                               // parallel
+  expect({{0, -5, 0}, {0, 5, 0}}, 9, 11);                                      // across
+  expect({{0, 0.6, -5}, {0, 0.6, 5}}, 9.2, 10.8);                              // across, passing by
+  expect({{-5, -5, 0}, {5, 5, 0}}, 10 - std::sqrt(2.0), 10 + std::sqrt(2.0));  // at a slant
+  expect({{9.5, 0, 0}, {30, 0, 0}}, 18.5, 20);  // clipped to the segment
   const auto [a, b] = within_reach(s, {{0, 1.1, -5}, {0, 1.1, 5}}, 1.0);
   EXPECT_GT(a, b);
 }

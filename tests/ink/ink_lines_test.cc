@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "impedraw/ink/pen.h"
+
 namespace impedraw {
 namespace {
 
@@ -25,6 +27,13 @@ TEST(InkLines, EndWhereForceOrStrokeDo) {
     EXPECT_EQ(lines[k].end, expected[k].end) << k;
   }
   EXPECT_TRUE(ink_lines({}, {}).empty());
+}
+
+TEST(Pen, DrawsWiderTheHarderItIsPressed) {
+  PenSettings pen;
+  pen.width_per_newton = 0.2;
+  EXPECT_NEAR(pen.width_at(pen.nominal_force + 2.0), pen.width + 0.4, 1e-12);
+  EXPECT_NEAR(pen.force_for(pen.width - 0.4), pen.nominal_force - 2.0, 1e-12);
 }
 
 TEST(StrokeSpans, FollowThePlanAlone) {

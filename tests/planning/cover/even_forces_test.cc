@@ -62,6 +62,22 @@ TEST(DoseOf, IsTheChordOfTheDisc) {
 }
 
 // The first harmonic of rows at the distance s vanishes where J_1(2 π r/s) does: at r/s = 1.62.
+// A stroke of 1 µm on a dome, off its middle.
+TEST(DoseOf, IsThePressureOfTheFootWhereItStands) {
+  const SurfaceGrid g = sample_surface(
+      [](double x, double y) -> SurfaceHeight::Sample {
+        return SurfaceSample{{x, y, -2.0 * (x * x + y * y)}};
+      },
+      {Eigen::Vector2d::Constant(-0.06), Eigen::Vector2d::Constant(0.06)}, 1.5e-3, 70.0);
+  const Eigen::Vector2d p(0.02, 0.01), end = p + Eigen::Vector2d(1e-6, 0.0);
+  const std::vector<double> dose = dose_of(g, {{p, end}}, feet(g));
+  const PressedFoot foot = feet(g).at(g, p);
+  const double way = (g.lifted(end) - g.lifted(p)).norm();
+  for (std::size_t v = 0; v < g.size(); ++v)
+    if ((g.plane(v) - p).norm() < 0.8 * kPad)
+      ASSERT_NEAR(dose[v], way * foot.pressure(g.point(v)), 1e-3 * way);
+}
+
 TEST(DoseOf, IsEvenInTheMiddleOfRowsAtTheZeroOfABesselFunction) {
   const SurfaceGrid g = plane();
   std::vector<char> middle(g.size());
