@@ -131,6 +131,14 @@ TEST(DrawnLengths, TheRestIsByReason) {
   EXPECT_NEAR(metrics_of(again).at("drawn").get<double>(), 50.0 / 60.0, 1e-9);
 }
 
+TEST(DrawnLengths, AnyStrokeCounts) {
+  MadeUp run = run_with({});
+  const double drawn = value(run, "drawn");
+  for (int& stroke : run.stroke) stroke = stroke == 0 ? 1 : stroke;
+  run.target_stroke.assign(run.target_stroke.size(), 1);
+  EXPECT_EQ(value(run, "drawn"), drawn);
+}
+
 TEST(DrawnLengths, AnOlderLogDoesNotSay) {
   MadeUp run = run_with({});
   std::fill(run.stroke_along.begin(), run.stroke_along.end(), kNone);

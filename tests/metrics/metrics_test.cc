@@ -390,6 +390,12 @@ TEST(Metrics, EveryFieldIsDefinedOnce) {
   EXPECT_EQ(metrics_json(m).size(), metric_definitions().size() + 5) << "two share a name";
 }
 
+TEST(Metrics, WithoutAMeasuredWrenchContactIsUnknown) {
+  MadeUp run = plain_run();
+  for (auto& f : run.contact_force) f = LogRow::no_vector();
+  expect_null(run, {"force_mean", "coverage", "ink_error_rms", "drawn"}, "no wrench was measured");
+}
+
 TEST(Metrics, NoRowsAtAll) {
   const Json m = metrics_of(empty_run(0));
   for (const MetricDefinition& d : metric_definitions())

@@ -233,5 +233,24 @@ TEST(JointStateEstimator, RefusesWhatCannotBe) {
   EXPECT_NE(refusal({kDt, 300.0, 0.0, 0.0, 0.0}).find("least_bandwidth"), std::string::npos);
 }
 
+// The error after a jump is that of a linear filter with the characteristic polynomial (z − θ)³.
+TEST(JointStateEstimator, HasThreePolesAtItsBandwidth) {
+  JointStateEstimatorSettings s;
+  s.least_bandwidth = s.bandwidth;
+  JointStateEstimator estimator(s, 1);
+  estimator.update(JointVector::Zero(1));
+  const double theta = std::exp(-s.bandwidth * s.dt);
+  double e[4] = {};
+  for (int k = 0; k < 20; ++k) {
+    estimator.update(JointVector::Constant(1, 1e-3));
+    for (int i = 3; i > 0; --i) e[i] = e[i - 1];
+    e[0] = estimator.q()[0] - 1e-3;
+    if (k < 3) continue;
+    EXPECT_NEAR(e[0], 3 * theta * e[1] - 3 * theta * theta * e[2] + std::pow(theta, 3) * e[3],
+                1e-15);
+  }
+  EXPECT_LT(std::abs(e[0]), 1e-4);
+}
+
 }  // namespace
 }  // namespace impedraw

@@ -195,16 +195,18 @@ TEST(TouchSurface, WorksAlongAnyDrawingAxis) {
 
 // At rest friction may hide a slope: the guess lies between.
 TEST(TouchSurface, GuessesTheNormalOfAStandingPen) {
-  const Vector3d n = leaning(0, 30);
   const double mu = 0.3;
-  const Vector3d uphill = Vector3d(-n.z() * n.x(), 0.0, n.x() * n.x()).normalized();
-  TouchSurface touch({}, {});
-  Pose X_WE;
-  X_WE.R = Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()).toRotationMatrix();
-  for (int i = 0; i < 200; ++i) touch.update(X_WE, Vector6::Zero(), 5.0 * (n + mu * uphill), true);
-  const double error = degrees(learned(touch), n);
-  EXPECT_GT(error, 5.0);
-  EXPECT_LT(error, std::atan(mu) / kDegree + 3.0);
+  for (const Vector3d& n : {leaning(0, 30), leaning(30, 0), leaning(-30, 0)}) {
+    const Vector3d uphill = (Vector3d::UnitZ() - n * n.z()).normalized();
+    TouchSurface touch({}, {});
+    Pose X_WE;
+    X_WE.R = Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()).toRotationMatrix();
+    const Vector3d f = 5.0 * (n + mu * uphill);
+    for (int i = 0; i < 200; ++i) touch.update(X_WE, Vector6::Zero(), f, true);
+    const double error = degrees(learned(touch), n);
+    EXPECT_GT(error, 5.0);
+    EXPECT_LT(error, std::atan(mu) / kDegree + 3.0);
+  }
 }
 
 // Before a touch: the level plane where the pen was first wanted down. After it: where it touched.

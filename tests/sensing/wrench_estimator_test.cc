@@ -98,6 +98,18 @@ TEST(WrenchEstimator, ComesToTheTipAsByHand) {
       << F.transpose();
 }
 
+TEST(WrenchEstimator, ALongerPenIsAsIfItHadBeenSoLongFromTheStart) {
+  WrenchEstimatorSettings settings = still_settings(), longer = settings;
+  settings.X_ES.p << 0.01, 0.02, -0.2;
+  longer.X_ES.p << 0.01, 0.02, -0.23;
+  Still changed(settings), known(longer);
+  changed.estimator.lengthen_pen(0.03);
+  ASSERT_GT(changed.steps_to_tare(kBias), 0);
+  ASSERT_GT(known.steps_to_tare(kBias), 0);
+  const Vector6 reading = kBias + 2.0 * Vector6::Ones();
+  EXPECT_EQ(changed.read(reading), known.read(reading));
+}
+
 TEST(WrenchEstimator, AFaultKeepsTheLastWrench) {
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                inf = std::numeric_limits<double>::infinity();
