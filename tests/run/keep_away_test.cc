@@ -35,6 +35,9 @@ std::pair<double, double> rise(double speed, double late) {
     const TipReference now = away.of(rest);
     EXPECT_LT((now.p_WD - p - 1e-3 * now.v_WD).norm(), 1e-4) << "the velocity is the position's";
     EXPECT_LT((now.v_WD - v).norm(), 0.0041) << t;
+    if (away.shift().norm() > 0.0) {
+      EXPECT_LT((now.v_WD - v - 1e-3 * now.a_WD).norm(), 1e-9) << t;
+    }
     p = now.p_WD;
     v = now.v_WD;
     least = std::min(least, p.z() - height(t));

@@ -7,6 +7,7 @@
 #include "impedraw/run/monitors/block_monitor.h"
 #include "impedraw/run/monitors/canvas_monitor.h"
 #include "impedraw/run/monitors/dead_wrench_monitor.h"
+#include "impedraw/run/monitors/fence_monitor.h"
 #include "impedraw/run/monitors/range_monitor.h"
 #include "impedraw/run/monitors/rattle_monitor.h"
 #include "impedraw/run/monitors/reach_monitor.h"
@@ -279,16 +280,18 @@ TEST(SecondChance, IsGivenToAnArmThatDrewWellAndAlone) {
     made.inked = true;
     SecondChance chance(possible);
     for (double t = 0.0; t < drawn; t += MadeUpCycle::kDt) chance.update(made.next());
+    made.out.n_WD = Eigen::Vector3d::UnitX();
+    made.out.push = 15.0;
     made.F_ext[0] = force;
     made.inked = false;
     for (int i = 0; i < 100; ++i) chance.update(made.next());
     return chance;
   };
-  EXPECT_TRUE(after(2.5, 10.0, true).given());
-  EXPECT_FALSE(after(1.5, 10.0, true).given()) << "it has hardly drawn";
-  EXPECT_FALSE(after(2.5, 30.0, true).given()) << "a hand pushes";
-  EXPECT_FALSE(after(2.5, 10.0, false).given());
-  SecondChance chance = after(2.5, 10.0, true);
+  EXPECT_TRUE(after(2.5, 25.0, true).given());
+  EXPECT_FALSE(after(1.5, 25.0, true).given()) << "it has hardly drawn";
+  EXPECT_FALSE(after(2.5, 45.0, true).given()) << "a hand pushes";
+  EXPECT_FALSE(after(2.5, 25.0, false).given());
+  SecondChance chance = after(2.5, 25.0, true);
   chance.take();
   EXPECT_FALSE(chance.given()) << "it has to draw again first";
 }
@@ -314,6 +317,35 @@ TEST(RangeMonitor, NamesASensorThatStaysAtTheEndOfItsRange) {
   EXPECT_EQ(cycles_until([&] { return monitor.judge(c.next()); }, &said), 20);
   EXPECT_EQ(said.severity, Severity::halt);
   EXPECT_THAT(said.cause, HasSubstr("stays at the end of its range"));
+  c.state.wrench.setZero();
+  EXPECT_FALSE(monitor.judge(c.next()));
+  c.state.wrench[1] = -100.0;
+  EXPECT_EQ(cycles_until([&] { return monitor.judge(c.next()); }, &said), 20);
+}
+
+TEST(FenceMonitor, NamesTheFenceThatWasCrossed) {
+  FenceSettings fence;
+  fence.low = {-1.0, -1.0, -1.0};
+  fence.high = {1.0, 1.0, 1.0};
+  fence.force = 10.0;
+  fence.moment = 2.0;
+  fence.speed = 0.5;
+  const auto crossed = [&](auto&& change) {
+    FenceMonitor monitor(fence, true);
+    MadeUpCycle c;
+    for (int i = 0; i < 10; ++i) EXPECT_FALSE(monitor.judge(c.next()));
+    change(c);
+    Verdict said;
+    const int cycles = cycles_until([&] { return monitor.judge(c.next()); }, &said);
+    return fmt::format("{} {}", cycles, said.cause);
+  };
+  EXPECT_THAT(crossed([](auto& c) { c.arm.X_WE.p.y() = -1.1; }), StartsWith("1 fence.low"));
+  EXPECT_THAT(crossed([](auto& c) { c.arm.X_WE.p.y() = 1.1; }), StartsWith("1 fence.high"));
+  EXPECT_THAT(crossed([](auto& c) { c.F_ext[1] = -11.0; }), StartsWith("3 fence.force"));
+  EXPECT_THAT(crossed([](auto& c) { c.F_ext[4] = -2.1; }), StartsWith("3 fence.moment"));
+  EXPECT_THAT(crossed([](auto& c) { c.arm.V_WE[2] = -0.6; }), StartsWith("3 fence.speed"));
+  std::swap(fence.low, fence.high);
+  EXPECT_THROW(FenceMonitor(fence, true), InputError);
 }
 
 }  // namespace

@@ -124,12 +124,18 @@ TEST(PlanClock, ScalesVelocityAndAcceleration) {
     reference.p_WD.x() = s * s;
     reference.v_WD.x() = 2.0 * s;
     reference.a_WD.x() = 2.0;
+    reference.w_WD.x() = reference.yaw_rate = 2.0 * s;  // and angles alike
+    reference.alpha_WD.x() = reference.yaw_acceleration = 2.0;
     return reference;
   };
   double p[3] = {}, t = 0.0;
   for (int i = 0; i < 60; ++i) {  // while the rate falls
     const TipReference now = clock.scaled(plan(t - clock.lag()));
     p[0] = p[1], p[1] = p[2], p[2] = now.p_WD.x();
+    EXPECT_EQ(now.w_WD.x(), now.v_WD.x());
+    EXPECT_EQ(now.yaw_rate, now.v_WD.x());
+    EXPECT_EQ(now.alpha_WD.x(), now.a_WD.x());
+    EXPECT_EQ(now.yaw_acceleration, now.a_WD.x());
     if (i >= 3 && clock.rate() > 0.0) {
       EXPECT_NEAR(now.v_WD.x(), (p[2] - p[1]) / kDt, 2e-3);
     }
@@ -138,6 +144,21 @@ TEST(PlanClock, ScalesVelocityAndAcceleration) {
     }
     clock.advance({0.02, 0.0, 0.0, 0.0, 1.0, false});
     t += kDt;
+  }
+}
+
+TEST(PlanClock, SlowsDownForTheSpeedThatAJointWillSoonHave) {
+  const ClockSettings s;
+  for (const double rise : {0.5, -0.5}) {  // [1/s]
+    PlanClock clock(s, kDt);
+    PenDeviation pen;
+    pen.joint = rise > 0.0 ? 0.3 : 0.84;
+    for (int i = 0; i < 2000; ++i) clock.advance(pen);
+    for (; rise > 0.0 ? pen.joint < 0.84 : pen.joint > 0.5; pen.joint += rise * kDt)
+      clock.advance(pen);
+    const double soon = 0.84 + rise * s.foresight;
+    EXPECT_NEAR(clock.rate(),
+                rise > 0.0 ? (s.joint.stop - soon) / (s.joint.stop - s.joint.slow) : 1.0, 5e-3);
   }
 }
 

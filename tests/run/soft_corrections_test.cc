@@ -54,5 +54,21 @@ TEST(SoftCorrections, TakeNoneOfAPenThatIsDown) {
   EXPECT_NEAR(off, 0.0, 1e-4);
 }
 
+// e(t) = −Δv t e^(−ω t) of a jump Δv, with its derivatives.
+TEST(SoftCorrections, TakeUpACorrectedSpeedCriticallyDamped) {
+  SoftCorrections soft;
+  TipReference before = soft.of(at(0.0, 0.0), true, kStep);
+  for (int i = 0; i < 300; ++i) {
+    const double t = kStep * (i + 1), p = 0.1 * kStep * i;
+    const TipReference now = soft.of(at(p, 0.1), true, kStep);
+    EXPECT_NEAR(now.p_WD.z(), p - 0.1 * t * std::exp(-SoftCorrections::kRate * t), 2e-4) << i;
+    if (i > 0) {
+      EXPECT_NEAR(now.v_WD.z(), (now.p_WD - before.p_WD).z() / kStep, 1e-9);
+      EXPECT_NEAR(now.a_WD.z(), (now.v_WD - before.v_WD).z() / kStep, 1e-9);
+    }
+    before = now;
+  }
+}
+
 }  // namespace
 }  // namespace impedraw
