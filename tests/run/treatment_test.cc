@@ -48,6 +48,35 @@ TEST(TreatmentMap, HasTheDoseOfADisc) {
   }
 }
 
+// A second pass presses 1.2 times as hard; what is asked for lies up to 10 mm beside the pad.
+TEST(TreatmentMap, SumsUpWhatItCoversAndMisses) {
+  TreatmentMap map = after_a_line(0.0);
+  const SurfaceGrid& g = map.grid();
+  const double r = PadSettings().radius, p = kForce / PadSettings().area(), half = r + 0.01;
+  std::vector<char> places(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v)
+    places[v] = std::abs(g.plane(v).x()) < 0.02 && std::abs(g.plane(v).y()) < half;
+  const TreatmentShares once = shares_of(map, places);
+  EXPECT_NEAR(once.treated, once.area * r / half, 0.05 * once.area);
+  EXPECT_EQ(once.twice, 0.0);
+  const double mean = p * std::numbers::pi * r * r / (2.0 * half),
+               square = p * p * 16.0 / 3.0 * r * r * r / (2.0 * half);  // of the chords
+  EXPECT_NEAR(once.dose_mean, mean, 0.03 * mean);
+  EXPECT_NEAR(once.dose_cv, std::sqrt(square / (mean * mean) - 1.0), 0.05);
+  const std::vector<MissedPatch> patches = missed(map, places);
+  ASSERT_EQ(patches.size(), 2u);
+  EXPECT_NEAR(patches[0].area + patches[1].area, once.area - once.treated, 1e-12);
+  EXPECT_NEAR(patches[0].middle_P.y(), -0.5 * (r + half), 1e-3);
+  EXPECT_NEAR(patches[1].middle_P.y(), 0.5 * (r + half), 1e-3);
+  const Eigen::AngleAxisd down(std::numbers::pi, Eigen::Vector3d::UnitX());
+  for (double t = 0.0; t < 1.0; t += kDt)
+    map.press({{-0.05 + kSpeed * t, 0.0, 0.0}, down.toRotationMatrix()}, 1.2 * kForce,
+              {kSpeed, 0.0, 0.0}, 2.0 + t, kDt);
+  EXPECT_NEAR(shares_of(map, places).twice, once.treated, 0.1 * once.area);
+  EXPECT_NEAR(map.pressure_mean(), 1.1 * p, 1e-3 * p);
+  EXPECT_NEAR(map.pressure_sd(), 0.1 * p, 1e-3 * p);
+}
+
 // A map that believes the surface to lie elsewhere: the force tells how deep the pad is pressed.
 TEST(TreatmentMap, DoesNotDependOnTheHeightOfItsGrid) {
   const TreatmentMap right = after_a_line(0.0);
