@@ -112,6 +112,7 @@ TEST(ForceMetrics, SweepsRateIsItsDerivative) {
     EXPECT_NEAR(sweep.frequency(t), (sweep.phase(t + 1e-6) - sweep.phase(t - 1e-6)) / (4e-6 * pi),
                 1e-4);
   }
+  EXPECT_NEAR(sweep.at(sweep.start), sweep.mean, 1e-12) << "it begins without a jump";
 }
 
 TEST(ForceMetrics, NothingJudgedGivesNothing) {
