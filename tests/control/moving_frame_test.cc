@@ -124,5 +124,14 @@ TEST(MovingFrame, ATurntablePullsTowardsItsAxis) {
   EXPECT_LT(out.w_WD.norm(), 1e-12) << "a turn about the pen itself is free";
 }
 
+TEST(MovingFrame, ALedHeadingTurnsWithItsTurntableToo) {
+  FrameMotion table;
+  table.w = {0.0, 0.0, 1.5};
+  TipReference led;
+  led.x_WD = Eigen::Vector3d::UnitX();
+  led.yaw_rate = 0.2;
+  EXPECT_NEAR(carried(led, table).yaw_rate, 1.7, 1e-12);
+}
+
 }  // namespace
 }  // namespace impedraw
