@@ -84,7 +84,8 @@ CLI::App* add_draw(CLI::App& app, Call& call) {
 
 CLI::App* add_cover(CLI::App& app, Call& call) {
   CLI::App* command = app.add_subcommand(
-      "cover", "treat an area with a pad: lines that cover it, drawn with an even force");
+      "cover",
+      "treat an area with a pad: lines that cover it, drawn with an even force; or coat it");
   command->add_option("scenario", call.options.scenario,
                       "YAML file (default: a dome, with realistic sensing: cover-dome.yaml)");
   command->add_option("--region", call.region,
@@ -100,7 +101,8 @@ CLI::App* add_cover(CLI::App& app, Call& call) {
   command->footer(
       "Examples:\n  ./impedraw cover\n  ./impedraw cover scenarios/reach-saddle.yaml\n"
       "  ./impedraw cover --region window.svg --set drawing.placement.width=120\n"
-      "  ./impedraw cover --set cover.passes=2 --set control.normal_force=8");
+      "  ./impedraw cover --set cover.passes=2 --set control.normal_force=8\n"
+      "  ./impedraw cover --set tool.kind=nozzle --set tool.stand_off=0.15");
   command->callback([&call] { call.code = cover(call.options, call.region, call.table); });
   return command;
 }

@@ -184,7 +184,8 @@ CoverPicture picture_of(const Scenario& s, const TrueCover& truth, const Judge& 
       .ny = g.ny,
       .step = g.step,
       .treated = std::vector<Treated>(g.size(), Treated::outside),
-      .dose = std::vector<double>(g.size(), std::numeric_limits<double>::quiet_NaN())};
+      .dose = std::vector<double>(g.size(), std::numeric_limits<double>::quiet_NaN()),
+      .dose_is = touches(s) ? "pressure × way" : "time under the jet"};
   for (std::size_t v = 0; v < g.size(); ++v) {
     if (results.places[v])
       picture.treated[v] = !judge.truth().treated(v)     ? Treated::missed

@@ -110,6 +110,10 @@ void know_between_points(const PointCloud& cloud, double voxel, const Pose& X_PW
     g->known[v] = g->known[v] && off[v] >= kInside * voxel;
 }
 
+const char* name_of(const ToolSettings& tool) {
+  return tool.kind == ToolKind::nozzle ? "jet" : "pad";
+}
+
 // Why the footprint fits nowhere.
 void require_centres(const CoverPlan& plan, const Scenario& s, const SettingErrors& errors) {
   const bool drawn = !s.cover.region.empty();
@@ -131,15 +135,16 @@ void require_centres(const CoverPlan& plan, const Scenario& s, const SettingErro
                     "({:.2f} mm under {:.3g} N); valid is a smaller pad, softer foam or "
                     "more force",
                     width, 1e3 * plan.wish.footprint.compression, s.control.normal_force));
-  errors.raise(
-      {"tool.radius", "cover.region"},
-      fmt::format("tool.radius: a pad of {:.1f} mm, kept {:.1f} mm off the edges, fits "
-                  "nowhere {}; valid is a smaller pad",
-                  width, 1e3 * plan.wish.margin, drawn ? "in cover.region" : "on the canvas"));
+  errors.raise({"tool.radius", "cover.region"},
+               fmt::format("tool.radius: a {0} of {1:.1f} mm, kept {2:.1f} mm off the edges, fits "
+                           "nowhere {3}; valid is a smaller {0}",
+                           name_of(s.tool), width, 1e3 * plan.wish.margin,
+                           drawn ? "in cover.region" : "on the canvas"));
 }
 
 // `refused`: lines were left out.
-void note_rest(double max_slope_deg, bool refused, CoverPlan* cover) {
+void note_rest(const Scenario& s, bool refused, CoverPlan* cover) {
+  const double max_slope_deg = s.preflight.max_slope_deg;
   const CoverPlan& plan = *cover;
   const SurfaceGrid& g = plan.grid;
   const std::vector<char>& region = plan.wish.region;
@@ -157,9 +162,9 @@ void note_rest(double max_slope_deg, bool refused, CoverPlan* cover) {
   const double rest = plan.centres.wanted - plan.promised_area;
   if (rest > 1e-5)
     cover->notes.push_back(fmt::format(
-        "{:.1f} of {:.1f} cm² are not covered: within the pad's margin of an edge or a hole, or "
-        "where the pad's face does not touch as a whole{}",
-        cm2 * rest, cm2 * plan.centres.wanted,
+        "{:.1f} of {:.1f} cm² are not covered: within the {}'s margin of an edge or a hole{}{}",
+        cm2 * rest, cm2 * plan.centres.wanted, name_of(s.tool),
+        s.tool.kind == ToolKind::pad ? ", or where the pad's face does not touch as a whole" : "",
         refused ? ", or where the arm does not reach or the pre-flight refuses the surface" : ""));
 }
 
@@ -181,7 +186,7 @@ void promise(const Scenario& s, const std::vector<char>& inner, bool refused, Co
   for (auto& pass : plan.forces)
     for (double& f : pass) f *= s.control.normal_force;
   plan.notes.clear();
-  note_rest(s.preflight.max_slope_deg, refused, cover);
+  note_rest(s, refused, cover);
 }
 
 // On the plan's centres, in the layout that is more even.

@@ -36,9 +36,9 @@ class JetFigures {
   double stand_off_;
   double time_ = -1.0;
   int stroke_ = -1;
-  std::optional<Eigen::Vector3d> met_K_;          // in the row before [m]
-  double rows_ = 0.0, hits_ = 0.0;                // while it is open; where it met the canvas
-  double square_ = 0.0, most_ = 0.0;              // of the stand-off's error [m², m]
+  std::optional<Eigen::Vector3d> met_K_;                // in the row before [m]
+  double rows_ = 0.0, hits_ = 0.0;                      // while it is open; where it met the canvas
+  double square_ = 0.0, most_ = 0.0;                    // of the stand-off's error [m², m]
   double open_ = 0.0, way_ = 0.0, square_speed_ = 0.0;  // [s], [m], [m²/s]
 };
 

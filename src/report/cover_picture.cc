@@ -99,7 +99,7 @@ void write_cover(const CoverPicture& p, const std::filesystem::path& stem) {
     x = entry(cr, x, below, kMissed, "missed");
     entry(cr, x, below, kNotPromised, "not promised");
     x = entry(cr, right, below, of_dose(0.5), "half");
-    x = entry(cr, x, below, of_dose(1.0), "mean of pressure × way");
+    x = entry(cr, x, below, of_dose(1.0), "mean of " + p.dose_is);
     entry(cr, x, below, of_dose(1.5), "one and a half");
   });
 }

@@ -17,6 +17,7 @@ struct CoverPicture {
   double step = 0.0;             // [m]
   std::vector<Treated> treated;  // outside: no surface that a perfect planner would reach
   std::vector<double> dose;      // over its mean; NaN where there is none
+  std::string dose_is = "pressure × way";
 };
 
 // Writes `stem`.svg and `stem`.png. Throws std::runtime_error naming the file if it cannot be

@@ -44,8 +44,7 @@ Sprayed spray(const std::string& scenario, std::vector<std::string> set) {
   EXPECT_TRUE(outcome.lacking.empty());
   std::filesystem::remove(log);
   for (const double h : heights) s.height += h / static_cast<double>(heights.size());
-  for (const double h : heights)
-    s.height_error = std::max(s.height_error, std::abs(h - s.height));
+  for (const double h : heights) s.height_error = std::max(s.height_error, std::abs(h - s.height));
   s.figures = judge->results()["metrics"];
   return s;
 }
