@@ -31,8 +31,8 @@ function(impedraw_library name)
   target_link_libraries(impedraw_${name} ${scope} ${ARG_LINKS})
   # Many small units share their headers and Eigen's templates: together they compile in less than half
   # the time. Names in unnamed namespaces are therefore unique within a folder. More than fourteen at a
-  # time take more memory, and are hardly faster.
-  if(ARG_SOURCES)
+  # time take more memory, and are hardly faster. sensing stays apart: what its users link needs fmt only where it touches things.
+  if(ARG_SOURCES AND NOT name STREQUAL "sensing")
     impedraw_compile_together(impedraw_${name} 14)
   endif()
   # What runs once in a call, and waits for files and processes, is not worth the optimiser's time.

@@ -143,7 +143,7 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   out.metrics["treated_share"] = share(out.promised.treated, out.promised.area);
   out.metrics["promised_share"] = share(out.promised.area, reachable);
   const std::string dose = name_of_dose(e.scenario);
-  if (touches(e.scenario)) {
+  if (e.scenario.tool.kind == ToolKind::pad) {
     out.metrics["pressure_mean"] = judge.truth().pressure_mean();
     out.metrics["pressure_sd"] = judge.truth().pressure_sd();
   }
@@ -185,7 +185,7 @@ CoverPicture picture_of(const Scenario& s, const TrueCover& truth, const Judge& 
       .step = g.step,
       .treated = std::vector<Treated>(g.size(), Treated::outside),
       .dose = std::vector<double>(g.size(), std::numeric_limits<double>::quiet_NaN()),
-      .dose_is = touches(s) ? "pressure × way" : "time under the jet"};
+      .dose_is = s.tool.kind == ToolKind::pad ? "pressure × way" : "time under the jet"};
   for (std::size_t v = 0; v < g.size(); ++v) {
     if (results.places[v])
       picture.treated[v] = !judge.truth().treated(v)     ? Treated::missed
@@ -213,7 +213,8 @@ void say_results(const Scenario& s, const Results& r, const Metrics& metrics) {
         1e-3 * r.metrics["pressure_sd"].get<double>());
   say(stdout, "  {:<11} even to {:.1f} % (CV), {:.1f} % with the rim of one radius\n", dose,
       percent(dose + "_cv"), percent(dose + "_cv_to_edge"));
-  say(stdout, "{}", metrics_summary(metrics, touches(s) ? Trace::area : Trace::none));
+  say(stdout, "{}",
+      metrics_summary(metrics, s.tool.kind == ToolKind::pad ? Trace::area : Trace::none));
   double lacking = 0.0;
   for (const MissedPatch& patch : r.arm_missed) lacking += patch.area;
   if (lacking > 0.0)

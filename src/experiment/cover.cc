@@ -268,8 +268,8 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
   if (!given("path.tilt_allowance")) s.path.tilt_allowance_deg = 0.0;
   ControlSettings& control = s.control;
   // A canvas that moves is followed better by a mass of its own.
-  if (control.source != WrenchSource::none && !s.perception.frames.enabled && touches(s) &&
-      !given("control.inertia"))
+  if (control.source != WrenchSource::none && !s.perception.frames.enabled &&
+      s.tool.kind == ToolKind::pad && !given("control.inertia"))
     control.inertia = InertiaShaping::light_normal;
   if (control.inertia == InertiaShaping::light_normal && !given("control.inertia_scale"))
     control.inertia_scale = kLighter;

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <future>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "impedraw/experiment/page_context.h"

@@ -222,6 +222,7 @@ class BladeJudge : public ToolJudge {
   int corners_ = 0;
 };
 
+// Judges a nozzle by the truth (jet_figures.h).
 class JetJudge : public ToolJudge {
  public:
   explicit JetJudge(const Experiment& e)

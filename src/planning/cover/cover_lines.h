@@ -25,7 +25,7 @@ struct CoverWish {
   Footprint footprint;
   double spacing = 0.0134;      // of the rows [m]
   double direction_deg = 90.0;  // of the rows, from the plane's x axis
-  double margin = 5e-4;         // [m]
+  double margin = 1e-3;         // [m]
   std::vector<char> region;     // of the grid's vertices that are wanted; empty: all
 };
 

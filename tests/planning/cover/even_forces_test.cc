@@ -74,8 +74,9 @@ TEST(DoseOf, IsThePressureOfTheFootWhereItStands) {
   const PressedFoot foot = feet(g).at(g, p);
   const double way = (g.lifted(end) - g.lifted(p)).norm();
   for (std::size_t v = 0; v < g.size(); ++v)
-    if ((g.plane(v) - p).norm() < 0.8 * kPad)
+    if ((g.plane(v) - p).norm() < 0.8 * kPad) {
       ASSERT_NEAR(dose[v], way * foot.pressure(g.point(v)), 1e-3 * way);
+    }
 }
 
 TEST(DoseOf, IsEvenInTheMiddleOfRowsAtTheZeroOfABesselFunction) {
