@@ -1,8 +1,8 @@
-// Figures of a nozzle by the truth: where its jet meets the canvas, while it is open, which is while
-// a stroke is drawn.
+// Figures of a nozzle by the truth: where its jet meets the canvas, while it is open. It is while a
+// stroke is drawn.
 //
-//   stand_off_error   t − stand_off, t: way of the jet from the nozzle to the canvas            [mm]
-//   jet_speed         of the place where it meets the canvas, there, within a stroke          [mm/s]
+//   stand_off_error   t − stand_off, t: way of the jet from the nozzle to the canvas           [mm]
+//   jet_speed         of the place where it meets the canvas, there, within a stroke         [mm/s]
 //   jet_missed_share  share of the rows in which it meets nothing
 #pragma once
 
