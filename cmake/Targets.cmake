@@ -31,13 +31,14 @@ function(impedraw_library name)
   target_link_libraries(impedraw_${name} ${scope} ${ARG_LINKS})
   # Many small units share their headers and Eigen's templates: together they compile in less than half
   # the time. Names in unnamed namespaces are therefore unique within a folder. More than fourteen at a
-  # time take more memory, and are hardly faster. sensing stays apart: what its users link needs fmt only where it touches things.
-  if(ARG_SOURCES AND NOT name STREQUAL "sensing")
+  # time take more memory, and are hardly faster. control, sensing and arm stay apart: what is inlined
+  # in a step counts there, and who links sensing needs fmt only where it identifies touches.
+  if(ARG_SOURCES AND NOT name MATCHES "^(control|sensing|arm)$")
     impedraw_compile_together(impedraw_${name} 14)
   endif()
   # What runs once in a call, and waits for files and processes, is not worth the optimiser's time.
   set(headers library)
-  if(ARG_SOURCES AND name MATCHES "^(settings|terminal|files|live|app)$")
+  if(ARG_SOURCES AND name MATCHES "^(settings|terminal|files|app)$")
     target_compile_options(impedraw_${name} PRIVATE ${IMPEDRAW_LESS_OPTIMISED})
     set(headers less_optimised)
   endif()
