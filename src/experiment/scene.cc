@@ -285,7 +285,7 @@ Scene build_scene(Scenario& s, const Pose& X_WP, const SettingErrors& setting_er
   const std::filesystem::path urdf = urdf_of(s.arm);
   ArmModel arm =
       setting_errors.locate({"arm.rotor_inertia", "arm.urdf"}, [&] { return model_of(s.arm); });
-  arm.lengthen_pen(stand_off_of(s.tool));
+  if (s.tool.kind == ToolKind::nozzle) arm.lengthen_pen(s.tool.stand_off);
   std::optional<Snapshot> read;
   if (s.perception.enabled && s.perception.source != PerceptionSource::simulated)
     setting_errors.locate(kHowSeen,

@@ -11,7 +11,6 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kRelaxWay = 0.05;  // tip path over which the redundant joints settle [m]
 // A step that turns a joint by more than kLongTurn [rad] is walked in pieces of kPieceTurn.
 constexpr double kLongTurn = 0.05, kPieceTurn = 0.01;
 constexpr int kMostPieces = 100;
@@ -49,7 +48,7 @@ bool JointRates::follow(const SplinePoint& at, double moved) {
   constexpr double kReached = 1e-7;  // [m], [rad]
   const PenPlacement pen = placement(at);
   JointVector q = q_;
-  double relax = 1.0 - std::exp(-moved / kRelaxWay);
+  double relax = 1.0 - std::exp(-moved / kRelax);
   for (int i = 0; i < kMostSteps; ++i) {
     arm_.compute(q, JointVector::Zero(q.size()), &terms_);
     const Vector6 off = tip_displacement(terms_.X_WE, pen.p_WE, pen.z_WE, pen.x_WE);
@@ -75,8 +74,8 @@ void JointRates::operator()(const PathSpline& spline, std::vector<SpeedSpan>* sp
   // The part before may have wound the joints up beyond their limits.
   if (!begun.reached) begun = find_posture(arm_, at_first, rest_);
   q_ = begun.q;
-  bool known = follow(first, kRelaxWay);
-  for (int i = 0; known && i < 5; ++i) known = follow(spline.at(0.0), kRelaxWay);
+  bool known = follow(first, kRelax);
+  for (int i = 0; known && i < 5; ++i) known = follow(spline.at(0.0), kRelax);
   const int steps = std::max(1, static_cast<int>(std::ceil(spline.length() / kStep)));
   const double du = spline.length() / steps;
   std::vector<double> steepest(spans->size(), 0.0), sharpest(spans->size(), 0.0);

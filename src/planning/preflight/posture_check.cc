@@ -18,7 +18,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRelax = 0.05;     // tip path over which the redundant joint settles [m]
 constexpr double kMostDrift = 0.1;  // per step [rad]
 constexpr double kThere = 0.1;      // joints of an arm that is at a place already [rad]
 constexpr int kFollowSteps = 30, kEnterSteps = 100, kLostSteps = 20;

@@ -20,6 +20,8 @@
 
 namespace impedraw {
 
+inline constexpr double kRelax = 0.05;  // tip path over which the redundant joints settle [m]
+
 struct Posture {
   JointVector q;  // if the point is not reached: the nearest posture found
   bool reached = false;
