@@ -102,6 +102,7 @@ CLI::App* add_cover(CLI::App& app, Call& call) {
       "Examples:\n  ./impedraw cover\n  ./impedraw cover scenarios/reach-saddle.yaml\n"
       "  ./impedraw cover --region window.svg --set drawing.placement.width=120\n"
       "  ./impedraw cover --set cover.passes=2 --set control.normal_force=8\n"
+      "  ./impedraw cover --region map.svg --set cover.dose=by_tone   # dark: much, light: little\n"
       "  ./impedraw cover --set tool.kind=nozzle --set tool.stand_off=0.15");
   command->callback([&call] { call.code = cover(call.options, call.region, call.table); });
   return command;

@@ -44,6 +44,7 @@ class Judge {
       : X_PW_(e.artwork.X_WP.inverse()),
         force_(e.scenario.control.normal_force),
         jet_(e.scenario.tool.kind == ToolKind::nozzle),
+        by_tone_(e.scenario.cover.dose == CoverDose::by_tone),
         model_(e.belief.arm),
         truth_(truth.grid, *covering(e.scenario), e.scenario.control.normal_force,
                e.scenario.path.draw_speed),
@@ -56,20 +57,21 @@ class Judge {
     time_ = row.time;
     if (!(dt > 0.0 && dt < kLongest)) return;
     const Pose X_WE{row.tip_position, row.tip_orientation.toRotationMatrix()};
+    const double share = by_tone_ ? row.push / force_ : 1.0;
     const Pose seen = X_PW_ * row.canvas_pose.inverse() * X_WE;
     if (jet_) {
       if (row.stroke < 0) return;  // it is shut
       truth_.press(seen, force_, seen.R.col(0), row.time, dt);
     } else if (row.contact_force.allFinite() && row.contact_normal.allFinite())
       press(&truth_, seen, &seen_, row.contact_normal_W().dot(row.contact_force), row.time, dt,
-            row.stroke >= 0);
+            row.stroke >= 0, share);
     // The arm knows its own joints and its own wrench.
     if (!row.surface_normal.allFinite()) return;
     const Pose own =
         X_PW_ * row.estimated_canvas_pose.inverse() * model_.tip_pose(row.measured_position);
     if (jet_) return arm_.press(own, force_, own.R.col(0), row.time, dt);
     press(&arm_, own, &own_, row.surface_normal.dot(row.wrench_measured.head<3>()), row.time, dt,
-          true);
+          true, share);
   }
 
   const TreatmentMap& truth() const { return truth_; }
@@ -80,17 +82,17 @@ class Judge {
   static constexpr double kDoubt = 0.03;    // of a wrench sensor: drift and the pad's own weight
 
   static void press(TreatmentMap* map, const Pose& X_PE, Eigen::Vector3d* before, double force,
-                    double time, double dt, bool on_line) {
+                    double time, double dt, bool on_line, double share) {
     const Eigen::Vector3d velocity = (X_PE.p - *before) / dt;
     *before = X_PE.p;
     if (force > 0.0 && velocity.norm() < kFastest)
-      map->press(X_PE, force, velocity, time, dt, on_line);
+      map->press(X_PE, force, velocity, time, dt, on_line, share);
   }
   static constexpr double kFastest = 10.0;  // beyond, the place before is not known [m/s]
 
   Pose X_PW_;
   double force_;  // asked for; of a jet, which coats evenly in time: any [N]
-  bool jet_;
+  bool jet_, by_tone_;
   ArmModel model_;
   TreatmentMap truth_, arm_;
   double time_ = -1.0;
@@ -105,6 +107,11 @@ std::vector<char> promised_places(const Experiment& e, const CoverPlan& plan) {
   PlaneLines lines;
   for (const PlacedStroke& stroke : e.plan.strokes) lines.push_back(stroke.p_P);
   return surely_pressed(plan.grid, lines, plan.centres.feet);
+}
+
+// Of the most, that a place is to get.
+double share_at(const CoverPlan& plan, std::size_t v) {
+  return plan.wish.share.empty() ? 1.0 : plan.wish.share[v];
 }
 
 struct Results {
@@ -126,8 +133,8 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   const double reachable = area_of(g, reachable_places);
   Results out;
   out.places = promised;
-  out.promised = shares_of(judge.truth(), promised);
-  out.inner = shares_of(judge.truth(), inner);
+  out.promised = shares_of(judge.truth(), promised, plan.wish.share);
+  out.inner = shares_of(judge.truth(), inner, plan.wish.share);
   const TreatmentShares known = shares_of(judge.arm(), promised);
   out.arm_missed = missed(judge.arm(), promised);
   // The maps agree on what is evenly done where their doses, over their means, do.
@@ -135,7 +142,8 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   for (std::size_t v = 0; v < g.size(); ++v) {
     if (promised[v] && !judge.truth().treated(v) && judge.arm().treated(v)) out.unsaid += g.area[v];
     if (!inner[v] || !(out.inner.dose_mean > 0.0)) continue;
-    const double d = (judge.arm().dose(v) - judge.truth().dose(v)) / out.inner.dose_mean;
+    const double d =
+        (judge.arm().dose(v) - judge.truth().dose(v)) / (share_at(plan, v) * out.inner.dose_mean);
     off += g.area[v] * d * d;
     of += g.area[v];
   }
@@ -171,8 +179,8 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   return out;
 }
 
-CoverPicture picture_of(const Scenario& s, const TrueCover& truth, const Judge& judge,
-                        const Results& results) {
+CoverPicture picture_of(const Scenario& s, const CoverPlan& plan, const TrueCover& truth,
+                        const Judge& judge, const Results& results) {
   const SurfaceGrid& g = truth.grid;
   CoverPicture picture{
       .title = s.name,
@@ -185,7 +193,9 @@ CoverPicture picture_of(const Scenario& s, const TrueCover& truth, const Judge& 
       .step = g.step,
       .treated = std::vector<Treated>(g.size(), Treated::outside),
       .dose = std::vector<double>(g.size(), std::numeric_limits<double>::quiet_NaN()),
-      .dose_is = s.tool.kind == ToolKind::pad ? "pressure × way" : "time under the jet"};
+      .dose_is =
+          std::string(s.tool.kind == ToolKind::pad ? "pressure × way" : "time under the jet") +
+          (plan.wish.share.empty() ? "" : ", over the tone")};
   for (std::size_t v = 0; v < g.size(); ++v) {
     if (results.places[v])
       picture.treated[v] = !judge.truth().treated(v)     ? Treated::missed
@@ -194,7 +204,7 @@ CoverPicture picture_of(const Scenario& s, const TrueCover& truth, const Judge& 
     else if (truth.reachable[v])
       picture.treated[v] = Treated::not_promised;
     if (results.places[v] && results.inner.dose_mean > 0.0)
-      picture.dose[v] = judge.truth().dose(v) / results.inner.dose_mean;
+      picture.dose[v] = judge.truth().dose(v) / (share_at(plan, v) * results.inner.dose_mean);
   }
   return picture;
 }
@@ -312,7 +322,7 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
     write_whole(folder / kCoverFile, results.whole.dump(2) + "\n");
   };
   const Drawing drawing = draw_into(folder, experiment, seconds_since(start), begun, hooks);
-  write_cover(picture_of(scenario, truth, judge, results), folder / "cover");
+  write_cover(picture_of(scenario, plan, truth, judge, results), folder / "cover");
   say(stdout, "{}: {:.2f} s simulated in {:.2f} s\n", scenario.name, drawing.outcome.simulated,
       drawing.outcome.wall.loop);
   say(stdout, "{}", ink_lines(experiment, drawing.outcome));

@@ -8,11 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/canvas/mesh_file.h"
 #include "impedraw/common/file_extension.h"
 #include "impedraw/common/in_parallel.h"
-#include "impedraw/drawing/artwork_file.h"
-#include "impedraw/drawing/regions.h"
+#include "impedraw/experiment/cover_region.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/place_wish.h"
 #include "impedraw/experiment/plan_notes.h"
@@ -25,7 +23,9 @@ namespace {
 
 constexpr double kMostVertices = 90e3;
 constexpr double kInside = 0.75;
-constexpr double kForceChange = 0.055;  // of the force along the lines at most, as a share of it
+// Of the force along the lines over the one asked for: of an even dose, and of one by tones. With
+// less, a pad's face would not touch as a whole.
+constexpr ForceRange kEven{0.945, 1.055}, kByTone{0.4, 1.055};
 // Between the points of a line [m]. The path keeps to their chords within a tenth of it, which a
 // pad does not feel: held within 10 µm, each would be a bend to slow down at.
 constexpr double kExact = 1e-3;
@@ -38,54 +38,11 @@ constexpr double kJointMargin = 0.08;
 // Of the centres from places that the arm does not reach [m].
 constexpr double kOffReach = 1e-3;
 constexpr double kReachStep = 8e-3;  // between places for which the arm is asked [m]
+constexpr double kNothing = 0.02;    // a tone as light as that asks for nothing
 
 // What is deeper than its thickness is a jet (jet_of()), which no foam's end limits.
 Footprint footprint_of(const PadSettings& pad) {
   return {pad.radius, pad.rest, pad.rest > pad.thickness ? kFar : pad.thickness};
-}
-
-// The vertices under the faces of a colour, of a mesh that is placed as canvas.mesh is.
-std::vector<char> painted(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP) {
-  CanvasSettings placed = s.canvas;
-  placed.kind = CanvasKind::mesh;
-  placed.mesh.file = s.cover.region;
-  const Canvas faces(make_mesh(placed));
-  const Eigen::Vector3d up = X_WP.R.col(2);
-  std::vector<char> inside(g.size(), 0);
-  for (std::size_t v = 0; v < g.size(); ++v) {
-    if (!g.known[v]) continue;
-    const auto hit = faces.ray(X_WP * g.point(v) + kJudged * up, -up);
-    inside[v] = hit && hit->t <= 2.0 * kJudged;
-  }
-  return inside;
-}
-
-// The vertices that lie in the region's areas.
-std::vector<char> region_of(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP) {
-  if (is_mesh_file(s.cover.region)) return painted(s, g, X_WP);
-  if (lower_extension(s.cover.region) != ".svg")
-    throw InputError(s.cover.region.string() + ": valid is an .svg with filled areas, or a mesh " +
-                     "with a colour of six hexadecimal digits, as part.ply#c01020");
-  const Artwork artwork = read_artwork(s.cover.region, {.visible = s.drawing.visible});
-  if (artwork.areas.empty())
-    throw InputError(fmt::format("{}: has no filled area to cover; valid is an SVG with one",
-                                 s.cover.region.string()));
-  // A region has a middle, unlike the shape that this drawing would be without it.
-  PlacementSettings placing = placement_settings(s.drawing);
-  placing.about_page_origin = s.drawing.placement.about_page_origin;
-  const Placement placement = place(artwork, placing);
-  Eigen::AlignedBox2d box = artwork.page;
-  for (const Area& area : artwork.areas)
-    for (const auto& outline : area.outlines)
-      for (const Eigen::Vector2d& p : outline) box.extend(p);
-  const RegionMath math(box);
-  Outlines region;
-  for (const Area& area : artwork.areas) region = math.united(region, math.region(area));
-  const RegionIndex index(region);
-  std::vector<char> inside(g.size());
-  for (std::size_t v = 0; v < g.size(); ++v)
-    inside[v] = index.inside(placement.to_page(g.plane(v)));
-  return inside;
 }
 
 Eigen::AlignedBox2d extent_of(const Scenario& s, const Belief& belief, const Pose& X_WP) {
@@ -110,8 +67,39 @@ void know_between_points(const PointCloud& cloud, double voxel, const Pose& X_PW
     g->known[v] = g->known[v] && off[v] >= kInside * voxel;
 }
 
+// Where the tones are less than what the least force leaves, that is what the place gets.
+double least_share(const Scenario& s) { return kByTone.least / s.cover.passes; }
+
+void wish_for_region(const Scenario& s, const Pose& X_WP, const SettingErrors& errors,
+                     CoverPlan* plan) {
+  CoverRegion region = errors.locate({"cover.region", "drawing.placement"},
+                                     [&] { return region_of(s, plan->grid, X_WP); });
+  plan->wish.region = std::move(region.inside);
+  if (s.cover.dose != CoverDose::by_tone) return;
+  plan->wish.share = std::move(region.tones);
+  for (std::size_t v = 0; v < plan->grid.size(); ++v) {
+    double& share = plan->wish.share[v];
+    if (share <= kNothing) plan->wish.region[v] = 0;
+    if (plan->wish.region[v] && share < least_share(s)) plan->faint += plan->grid.area[v];
+    share = std::max(share, least_share(s));
+  }
+}
+
 const char* name_of(const ToolSettings& tool) {
   return tool.kind == ToolKind::nozzle ? "jet" : "pad";
+}
+
+void require_tones(const Scenario& s, const SettingErrors& errors) {
+  if (s.cover.dose == CoverDose::even) return;
+  if (s.tool.kind != ToolKind::pad)
+    errors.raise({"cover.dose", "tool.kind"},
+                 "cover.dose: by_tone varies the force of a pad, and tool.kind is nozzle; valid is "
+                 "even, or tool.kind pad");
+  if (lower_extension(s.cover.region) != ".svg")
+    errors.raise({"cover.dose", "cover.region"},
+                 "cover.dose: by_tone takes its tones from the filled areas of an SVG, and "
+                 "cover.region is " +
+                     (s.cover.region.empty() ? "not given" : s.cover.region.string()));
 }
 
 // Why the footprint fits nowhere.
@@ -159,6 +147,11 @@ void note_rest(const Scenario& s, bool refused, CoverPlan* cover) {
           "or one steeper than {:.0f}°: not covered",
           cm2 * off, max_slope_deg));
   }
+  if (plan.faint > 1e-4)
+    cover->notes.push_back(fmt::format(
+        "{:.1f} cm² of cover.region have a tone below {:.2f}: they get that much, by {:.0f} "
+        "% of the force; more cover.passes allow less",
+        cm2 * plan.faint, least_share(s), 100.0 * kByTone.least));
   const double rest = plan.centres.wanted - plan.promised_area;
   if (rest > 1e-5)
     cover->notes.push_back(fmt::format(
@@ -173,16 +166,28 @@ std::vector<char> inner_places(const CoverPlan& plan, const PlaneLines& lines) {
   return inside_by(plan.grid, surely_pressed(plan.grid, lines, plan.centres.feet), radius);
 }
 
-// Promises what the lines cover, repeats parts where they leave too little, and evens out their
-// forces.
+ForceRange force_range(const Scenario& s) {
+  if (s.tool.kind == ToolKind::nozzle) return {1.0, 1.0};
+  return s.cover.dose == CoverDose::by_tone ? kByTone : kEven;
+}
+
+WantedDose wanted_dose(const CoverPlan& plan, int passes, std::vector<char> places) {
+  WantedDose wanted{std::move(places), plan.wish.share, plan.one_pass};
+  for (double& share : wanted.share) share *= passes;
+  return wanted;
+}
+
+// Promises what the lines cover, repeats parts where they leave too little of an even dose, and
+// finds their forces.
 void promise(const Scenario& s, const std::vector<char>& inner, bool refused, CoverPlan* cover) {
   CoverPlan& plan = *cover;
   PlaneLines& lines = plan.lines.passes;
-  for (auto& part : repeats(plan.grid, plan.centres.feet, inner, lines))
-    lines.push_back(std::move(part));
+  if (plan.wish.share.empty())
+    for (auto& part : repeats(plan.grid, plan.centres.feet, inner, lines))
+      lines.push_back(std::move(part));
   plan.promised_area = area_of(plan.grid, surely_pressed(plan.grid, lines, plan.centres.feet));
-  plan.forces = even_forces(plan.grid, lines, plan.centres.feet, inner,
-                            s.tool.kind == ToolKind::nozzle ? 0.0 : kForceChange);
+  plan.forces = even_forces(plan.grid, lines, plan.centres.feet,
+                            wanted_dose(plan, s.cover.passes, inner), force_range(s));
   for (auto& pass : plan.forces)
     for (double& f : pass) f *= s.control.normal_force;
   plan.notes.clear();
@@ -208,6 +213,13 @@ void lay_lines(const Scenario& s, CoverPlan* cover) {
   Laid& better = laid[1].uneven < laid[0].uneven ? laid[1] : laid[0];
   plan.lines = std::move(better.lines);
   for (auto& pass : plan.lines.passes) pass = rounded(pass, kExact);
+  if (!plan.wish.share.empty()) {
+    plan.one_pass =
+        mean_of(plan.grid, dose_of(plan.grid, plan.lines.passes, plan.centres.feet), better.inner);
+    plan.lines.passes =
+        in_passes(plan.grid, plan.lines.passes, plan.centres.feet,
+                  wanted_dose(plan, s.cover.passes, better.inner), force_range(s), s.cover.passes);
+  }
   promise(s, better.inner, !plan.centres.within_reach.empty(), cover);
 }
 
@@ -294,6 +306,7 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
     errors.raise({"tool.kind"},
                  "tool.kind: only a pad or a nozzle covers an area; valid is pad, or nozzle");
   require_foam(s, errors);
+  require_tones(s, errors);
   const Eigen::AlignedBox2d box = extent_of(s, belief, X_WP);
   const double step =
       std::max({1e-3, pad->radius / 10.0, std::sqrt(box.sizes().prod() / kMostVertices)});
@@ -305,9 +318,7 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
   plan.wish.spacing = 2.0 * pad->radius * (1.0 - s.cover.overlap);
   plan.wish.direction_deg = s.cover.direction_deg;
   plan.wish.margin = s.cover.margin;
-  if (!s.cover.region.empty())
-    plan.wish.region = errors.locate({"cover.region", "drawing.placement"},
-                                     [&] { return region_of(s, plan.grid, X_WP); });
+  if (!s.cover.region.empty()) wish_for_region(s, X_WP, errors, &plan);
   plan.centres = footprint_centres(plan.grid, plan.wish);
   require_centres(plan, s, errors);
   lay_lines(s, &plan);
@@ -389,7 +400,8 @@ std::string cover_strokes(const CoverPlan& plan, const Scenario& s) {
                                drawing_of_cover(s, {}).drawing.placement);
   std::string text = "x,y,force,stroke\n";
   int stroke = 0;
-  for (int pass = 0; pass < s.cover.passes; ++pass)
+  const int times = plan.wish.share.empty() ? s.cover.passes : 1;
+  for (int pass = 0; pass < times; ++pass)
     for (std::size_t l = 0; l < plan.lines.passes.size(); ++l, ++stroke)
       for (std::size_t i = 0; i < plan.lines.passes[l].size(); ++i) {
         const Eigen::Vector2d mm = page.to_page(plan.lines.passes[l][i]);
@@ -411,8 +423,9 @@ Scenario drawing_of_cover(Scenario s, const std::filesystem::path& strokes) {
   s.drawing = drawing;
   s.path.tolerance = s.path.rounding = 0.1 * kExact;
   const double force = s.control.normal_force;
-  s.pen.least_force = std::min(s.pen.least_force, force * (1.0 - kForceChange));
-  s.pen.most_force = std::max(s.pen.most_force, force * (1.0 + kForceChange));
+  const ForceRange range = force_range(s);
+  s.pen.least_force = std::min(s.pen.least_force, force * range.least);
+  s.pen.most_force = std::max(s.pen.most_force, force * range.most);
   return s;
 }
 

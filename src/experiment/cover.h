@@ -22,7 +22,9 @@ struct CoverPlan {
   Centres centres;
   CoverLines lines;
   std::vector<std::vector<double>> forces;  // at each point of the lines [N]
+  double one_pass = 0.0;                    // dose over force of the lines, once [m]
   double promised_area = 0.0;               // [m²]
+  double faint = 0.0;                       // that asks for less than the least force leaves [m²]
   std::vector<std::string> notes;           // what of the area is not covered, one line each
 };
 

@@ -308,6 +308,12 @@ void describe(Fields& f, ToolSettings& s) {
   f.field("foam_stiffness", s.foam_stiffness, kFoamStiffnessRange, "N/m³",
           "Pressure of the foam per compression.");
   f.constant("foam_damping", PadSettings().damping, Range::any(), "N s/m³");
+  f.field(
+      "joints", s.joints, {0, 2}, "",
+      "Passive joints that let a pad turn with the surface: 0: rigid, 1: about x of the tip, 2: "
+      "about x and y.");
+  f.field("pivot", s.pivot, {-0.02, 0.05}, "m",
+          "Distance of these joints' centre behind the pad's rigid disc; negative: before it.");
   f.field("depth", s.depth, {1e-4, 2e-3}, "m", "Depth of the engraver's groove below the surface.");
   f.field("half_angle", s.half_angle_deg, {10.0, 75.0}, "deg",
           "Half of the angle of the engraver's cone; angle of a blade's edge to the surface.");
@@ -337,7 +343,11 @@ void describe(Fields& f, CoverSettings& s) {
           "Direction of the lines in the drawing plane, counter-clockwise from its x axis.");
   f.field("margin", s.margin, {0.0, 0.05}, "m",
           "Distance that the footprint keeps from edges and holes.");
-  f.field("passes", s.passes, {1, 100}, "", "How often the area is gone over.");
+  f.field("passes", s.passes, {1, 100}, "",
+          "How often the area is gone over; by_tone: where its tone is full.");
+  f.choice("dose", s.dose, {"even", "by_tone"},
+           "even: pressure times way, by which a pad removes, is the same everywhere; by_tone: in "
+           "proportion to the tone of cover.region, black the most, white nothing.");
 }
 
 void describe(Fields& f, LogSettings& s) {
@@ -425,7 +435,10 @@ PadSettings foam_of(const ToolSettings& tool, double friction, double force) {
 
 std::optional<PadSettings> pad_of(const ToolSettings& tool, double friction, double force) {
   if (tool.kind != ToolKind::pad) return std::nullopt;
-  return foam_of(tool, friction, force);
+  PadSettings pad = foam_of(tool, friction, force);
+  pad.joints = tool.joints;
+  pad.pivot = tool.pivot;
+  return pad;
 }
 
 std::optional<PadSettings> jet_of(const ToolSettings& tool, double force) {

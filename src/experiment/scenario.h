@@ -64,6 +64,8 @@ struct ToolSettings {
   ToolKind kind = ToolKind::pen;
   std::optional<double> radius;                     // of the face; absent: see settings.md [m]
   double foam_stiffness = PadSettings().stiffness;  // [N/m³]
+  int joints = 0;                                   // of a pad, passive
+  double pivot = 0.0;                               // of their centre behind its disc [m]
   double depth = 0.3e-3;                            // of an engraver's groove [m]
   double half_angle_deg = 45.0;                     // of its cone
   int passes = 1;                                   // to that depth, after a shallow one
@@ -98,6 +100,8 @@ std::optional<CutterSettings> cutter_of(const ToolSettings& tool);
 // Depths of an engraver's passes, the shallow one that finds the surface first [m].
 std::vector<double> depths_of(const ToolSettings& tool);
 
+enum class CoverDose { even, by_tone };
+
 struct CoverSettings {
   std::filesystem::path
       region;                   // an SVG whose filled areas are covered; empty: all that is reached
@@ -105,6 +109,7 @@ struct CoverSettings {
   double direction_deg = 90.0;  // of the lines, from the drawing plane's x axis
   double margin = 5e-4;         // that the footprint keeps from edges [m]
   int passes = 1;
+  CoverDose dose = CoverDose::even;
 };
 
 // The source of the controller's wrench, and the assumed properties of its sensor.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 namespace impedraw {
 
 TreatmentMap::TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double force, double speed,
@@ -20,7 +22,7 @@ TreatmentMap::TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double forc
       visits_(grid_.size(), 0) {}
 
 void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& v_P, double time,
-                         double dt, bool on_line) {
+                         double dt, bool on_line, double share) {
   const double speed = v_P.cross(X_PE.R.col(2)).norm();
   const double pressure = force / pad_.area();
   if (time - last_time_ > kApart) mean_ = pressure;
@@ -31,35 +33,54 @@ void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& 
     sum_ += dt * pressure;
     sum2_ += dt * pressure * pressure;
   }
-  const bool good = std::abs(mean_ / asked_ - 1.0) <= band_;
+  const bool good = std::abs(mean_ / asked_ - share) <= band_;
   under_.clear();
-  double area = 0.0, moment = 0.0;
   const Pose X_EP = X_PE.inverse();
   around(grid_, X_PE.p, pad_.radius + pad_.thickness, [&](std::size_t v) {
     const Eigen::Vector3d q = X_EP * grid_.point(v);
-    if (q.head<2>().norm() > pad_.radius) return;
-    under_.emplace_back(v, q.z());
-    area += grid_.area[v];
-    moment += grid_.area[v] * q.z();
+    if (q.head<2>().norm() <= pad_.radius) under_.emplace_back(v, q);
   });
+  const Eigen::Vector3d along =
+      speed > 0.0 ? Eigen::Vector3d(X_EP.R * v_P / speed) : Eigen::Vector3d::Zero();
   // Places that do not touch drop out until all that are left do.
-  double depth = 0.0;
+  Eigen::Vector3d lies = Eigen::Vector3d::Zero();
+  const auto depth = [&lies](const Eigen::Vector3d& q) {
+    return lies[0] + lies[1] * q.x() + lies[2] * q.y() - q.z();
+  };
   for (std::size_t before = 0; before != under_.size() && !under_.empty();) {
     before = under_.size();
-    depth = (force / pad_.stiffness + moment) / area;
-    std::erase_if(under_, [&](const auto& place) {
-      if (place.second < depth) return false;
-      area -= grid_.area[place.first];
-      moment -= grid_.area[place.first] * place.second;
-      return true;
-    });
+    lies = lying(force, along);
+    std::erase_if(under_, [&](const auto& place) { return !(depth(place.second) > 0.0); });
   }
-  for (const auto& [v, z] : under_) {
-    dose_[v] += pad_.stiffness * (depth - z) * speed * dt;
+  for (const auto& [v, q] : under_) {
+    dose_[v] += pad_.stiffness * depth(q) * speed * dt;
     if (good) good_[v] += dt;
     if (time - last_[v] > kApart) ++visits_[v];
     last_[v] = time;
   }
+}
+
+Eigen::Vector3d TreatmentMap::lying(double force, const Eigen::Vector3d& along) const {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  for (const auto& [v, q] : under_) {
+    const Eigen::Vector3d row(1.0, q.x(), q.y());
+    A += grid_.area[v] * row * row.transpose();
+    b += grid_.area[v] * q.z() * row;
+  }
+  const double lever = pad_.friction * (pad_.thickness + pad_.pivot - pad_.rest);
+  b += force / pad_.stiffness * Eigen::Vector3d(1.0, lever * along.x(), lever * along.y());
+  Eigen::Vector3d lies(b[0] / A(0, 0), 0.0, 0.0);
+  if (pad_.joints == 1) {  // about x: it tilts along y
+    const Eigen::Vector2d d_t = (Eigen::Matrix2d() << A(0, 0), A(0, 2), A(0, 2), A(2, 2))
+                                    .finished()
+                                    .ldlt()
+                                    .solve(Eigen::Vector2d(b[0], b[2]));
+    lies << d_t[0], 0.0, d_t[1];
+  } else if (pad_.joints == 2) {
+    lies = A.ldlt().solve(b);
+  }
+  return lies;
 }
 
 double TreatmentMap::pressure_mean() const { return slid_ > 0.0 ? sum_ / slid_ : 0.0; }
@@ -70,7 +91,8 @@ double TreatmentMap::pressure_sd() const {
   return std::sqrt(std::max(0.0, sum2_ / slid_ - mean * mean));
 }
 
-TreatmentShares shares_of(const TreatmentMap& map, const std::vector<char>& places) {
+TreatmentShares shares_of(const TreatmentMap& map, const std::vector<char>& places,
+                          const std::vector<double>& share) {
   TreatmentShares s;
   double sum2 = 0.0;
   for (std::size_t v = 0; v < places.size(); ++v) {
@@ -79,8 +101,9 @@ TreatmentShares shares_of(const TreatmentMap& map, const std::vector<char>& plac
     s.area += area;
     if (map.treated(v)) s.treated += area;
     if (map.visits(v) > 1) s.twice += area;
-    s.dose_mean += area * map.dose(v);
-    sum2 += area * map.dose(v) * map.dose(v);
+    const double dose = map.dose(v) / (share.empty() ? 1.0 : share[v]);
+    s.dose_mean += area * dose;
+    sum2 += area * dose * dose;
   }
   if (!(s.area > 0.0)) return s;
   s.dose_mean /= s.area;

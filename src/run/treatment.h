@@ -1,11 +1,13 @@
 // A pad's treatment, place by place, from its poses and forces: the world's for the truth, the
 // arm's own for what it knows.
 //
-//   p_i = k max(0, d − z_i) within r of the pad's axis, d so that Σ p dA = f          pressure [Pa]
+//   p_i = k max(0, d + t·(x, y)_i − z_i) within r of the pad's axis                   pressure [Pa]
+//   Σ p dA = f,  and of a pad with joints  Σ p (x, y) dA = μ f L v̂                  d [m], t [rad]
 //   dose = ∫ p v dt      Preston: what is removed is k times this, k of the material    [Pa m]
 //
-// z_i: of the place along z_E. The force tells how deep the foam is pressed, wherever the grid
-// believes that the surface lies.
+// (x, y, z)_i: of the place in E; t = 0 about axes without a joint. L: from the joints' centre to
+// the surface: friction makes the disc lean forward. The force tells how deep the foam is pressed,
+// and the joints how it lies, wherever the grid believes that the surface lies.
 //
 // A place is treated once it was pressed for kShare of the time in which a footprint passes over
 // it, while the pad's mean pressure, over kMean, was within kBand of the one asked for.
@@ -31,9 +33,10 @@ class TreatmentMap {
 
   // The pad is at X_PE, presses with this force along its normal and moves with v_P [m/s], for dt.
   // It slides across its axis only: what is set down or lifted removes nothing.
-  // `on_line`: counts towards the mean pressure and its SD.
+  // `on_line`: counts towards the mean pressure and its SD. `share`: of the force, that is asked
+  // for there; the band is of the whole force.
   void press(const Pose& X_PE, double force, const Eigen::Vector3d& v_P, double time, double dt,
-             bool on_line = true);
+             bool on_line = true, double share = 1.0);
 
   const SurfaceGrid& grid() const { return grid_; }
   double area(std::size_t v) const { return grid_.area[v]; }  // of a place [m²]
@@ -55,15 +58,20 @@ class TreatmentMap {
   double sum_ = 0.0, sum2_ = 0.0, slid_ = 0.0;
   std::vector<double> dose_, good_, last_;
   std::vector<int> visits_;
-  std::vector<std::pair<std::size_t, double>> under_;  // vertices under the pad, z_E [m]
+  // Vertices under the pad, in E [m].
+  std::vector<std::pair<std::size_t, Eigen::Vector3d>> under_;
+  // (d, t) of those vertices: `along`: v̂ in E.
+  Eigen::Vector3d lying(double force, const Eigen::Vector3d& along) const;
 };
 
-// Treated share of the marked places, and the mean and the coefficient of variation of their dose.
+// Treated share of the marked places, and the mean and the coefficient of variation of their dose
+// over the share that each is to get (empty: the same).
 struct TreatmentShares {
   double area = 0.0, treated = 0.0, twice = 0.0;  // [m²]; visited more than once
   double dose_mean = 0.0, dose_cv = 0.0;
 };
-TreatmentShares shares_of(const TreatmentMap& map, const std::vector<char>& places);
+TreatmentShares shares_of(const TreatmentMap& map, const std::vector<char>& places,
+                          const std::vector<double>& share = {});
 
 // Patches of places that are marked and not treated.
 struct MissedPatch {

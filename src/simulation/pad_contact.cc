@@ -37,16 +37,51 @@ PadContact::PadContact(const PadSettings& settings) : settings_(settings) {
 void PadContact::reset() noexcept {
   pressure_.fill(0.0);
   shear_.fill(Eigen::Vector3d::Zero());
+  tilt_.setZero();
+  rate_.setZero();
   load_ = {};
 }
 
 const PadLoad& PadContact::press(const Canvas& canvas, const Pose& X_KE, const Vector6& V_KE,
                                  double dt) noexcept {
+  if (settings_.joints == 0) {
+    press_face(canvas, X_KE, V_KE, dt);
+    return load_;
+  }
+  const Eigen::Vector3d centre_E(0.0, 0.0, settings_.rest - settings_.thickness - settings_.pivot),
+      turn(tilt_.x(), tilt_.y(), 0.0), w_rel = X_KE.R * Eigen::Vector3d(rate_.x(), rate_.y(), 0.0);
+  const double angle = turn.norm();
+  const Eigen::Matrix3d R_ED = angle > 0.0
+                                   ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix()
+                                   : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  const Pose X_KD = X_KE * Pose{centre_E - R_ED * centre_E, R_ED};
+  const Eigen::Vector3d centre = X_KE * centre_E;
+  Vector6 V_KD;
+  V_KD << V_KE.head<3>() + V_KE.tail<3>().cross(X_KD.p - X_KE.p) + w_rel.cross(X_KD.p - centre),
+      V_KE.tail<3>() + w_rel;
+  press_face(canvas, X_KD, V_KD, dt);
+  const double stiffness =
+      0.25 * std::numbers::pi * std::pow(settings_.radius, 4) * settings_.stiffness;
+  Eigen::Vector3d moment =
+      X_KE.R.transpose() * (load_.m + (X_KD.p - centre).cross(load_.f));  // about the centre, in E
+  for (int i = 0; i < settings_.joints; ++i) {
+    const double next = tilt_[i] + dt * moment[i] / (kJointDamping + stiffness * dt);
+    rate_[i] = (std::clamp(next, -kJointEnd, kJointEnd) - tilt_[i]) / dt;
+    tilt_[i] = std::clamp(next, -kJointEnd, kJointEnd);
+    if (std::abs(next) <= kJointEnd) moment[i] = kJointDamping * rate_[i];
+  }
+  load_.m = X_KE.R * moment + (centre - X_KE.p).cross(load_.f);
+  return load_;
+}
+
+void PadContact::press_face(const Canvas& canvas, const Pose& X_KE, const Vector6& V_KE,
+                            double dt) noexcept {
   load_ = {};
   const double reach = settings_.rest + settings_.radius + settings_.trail;
   if (!canvas.closest(X_KE.p, reach + settings_.thickness)) {
-    reset();
-    return load_;
+    pressure_.fill(0.0);
+    shear_.fill(Eigen::Vector3d::Zero());
+    return;
   }
   const Eigen::Vector3d z = X_KE.R.col(2), v = V_KE.head<3>(), w = V_KE.tail<3>();
   const bool flat = settings_.face == PadFace::disc;
@@ -91,7 +126,6 @@ const PadLoad& PadContact::press(const Canvas& canvas, const Pose& X_KE, const V
     load_.n = normals.normalized();
     load_.centre = centres / sum;
   }
-  return load_;
 }
 
 }  // namespace impedraw

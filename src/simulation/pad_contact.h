@@ -12,6 +12,13 @@
 // v_i: velocity of the foam's face at the cell relative to the canvas. The free face lies `rest`
 // before E, so that E lies on a flat canvas that the pad presses with k π r² `rest`.
 //
+// Passive joints turn the disc about their centre, `pivot` behind it, by the moment M about that:
+//
+//   θ ← θ + M dt/(c + k π r⁴/4 dt),  |θ_i| ≤ kJointEnd     c θ̇ = M, implicit in the stiffness
+//
+// They pass on c θ̇ about their axes, and M at their ends. The disc has no weight, and keeps θ in
+// the air. Sliding tilts it by μ F L/(k π r⁴/4), L: from the centre to the surface.
+//
 // On a plane, pressed by d and tilted by θ: F = k π r² d, M = k π r⁴/4 θ; sliding |F_t| = μ F;
 // turning on the spot M = 2/3 μ F r; a line, on the spot about its middle, M = μ_across F r/2.
 #pragma once
@@ -38,6 +45,7 @@ struct PadLoad {
 class PadContact {
  public:
   static constexpr double kLineShear = 20.0;
+  static constexpr double kJointDamping = 1e-3, kJointEnd = 0.35;           // c [Nm s/rad], [rad]
   static constexpr int kRings = 3, kCells = 1 + 3 * kRings * (kRings + 1);  // of equal area
 
   explicit PadContact(const PadSettings& settings);
@@ -49,14 +57,19 @@ class PadContact {
                        double dt) noexcept;
 
   const PadSettings& settings() const { return settings_; }
+  const Eigen::Vector2d& tilt() const { return tilt_; }  // θ of the joints, about x_E and y_E [rad]
   const std::array<Eigen::Vector2d, kCells>& cells() const { return cells_; }  // in E [m]
   const std::array<double, kCells>& pressures() const { return pressure_; }    // [Pa]
 
  private:
+  // As press(), for the frame of the disc, whatever turns it.
+  void press_face(const Canvas& canvas, const Pose& X_KD, const Vector6& V_KD, double dt) noexcept;
+
   PadSettings settings_;
   std::array<Eigen::Vector2d, kCells> cells_;
   std::array<double, kCells> pressure_;
   std::array<Eigen::Vector3d, kCells> shear_;  // in K [m]
+  Eigen::Vector2d tilt_ = Eigen::Vector2d::Zero(), rate_ = Eigen::Vector2d::Zero();
   PadLoad load_;
 };
 

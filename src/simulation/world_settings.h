@@ -44,6 +44,8 @@ struct PadSettings {
   PadFace face = PadFace::disc;
   double friction_across = 0.0;  // of a line: against motion along y_E
   double trail = 0.0;            // of a line's middle behind E, along −x_E [m]
+  int joints = 0;                // of a disc: 1: about x_E, 2: about y_E, too
+  double pivot = 0.0;            // of the joints' centre behind the rigid disc [m]
 
   double area() const;  // π r² [m²]; of a line: its length [m]
   // Pressure of the foam, compressed by δ at the rate v [Pa]; of a line [N/m].

@@ -109,6 +109,23 @@ TEST_F(Cover, SpraysAWindowOfTheDome) {
   EXPECT_TRUE(metrics["force_mean"].is_null()) << metrics["force_mean"];
 }
 
+// From a third of the most on the left to all of it on the right, in two passes.
+TEST_F(Cover, RemovesAsTheTonesSay) {
+  std::ofstream(folder_ / "window.svg")
+      << R"svg(<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="60mm">)svg"
+      << R"svg(<linearGradient id="g"><stop offset="0" stop-color="#aaa"/><stop offset="1"/>)svg"
+      << R"svg(</linearGradient><rect width="90mm" height="60mm" fill="url(#g)" /></svg>)svg";
+  ASSERT_EQ(run(window("1") + " --set cover.dose=by_tone --set cover.passes=2"), 0) << said();
+  const auto whole = nlohmann::json::parse(std::ifstream(folder_ / "run/cover.json"));
+  EXPECT_GT(whole["metrics"]["treated_share"], 0.995);
+  EXPECT_LT(whole["metrics"]["removal_cv"], 0.1);
+  EXPECT_LT(whole["metrics"]["removal_map_error"], 0.05);
+  EXPECT_EQ(run(window("1") + " --set cover.dose=by_tone --set tool.kind=nozzle --overwrite"), 2);
+  EXPECT_NE(said().find("by_tone varies the force of a pad"), std::string::npos) << said();
+  EXPECT_EQ(run("--set cover.dose=by_tone --overwrite"), 2);
+  EXPECT_NE(said().find("cover.region is not given"), std::string::npos) << said();
+}
+
 // The pad stands on the surface where that bends most of what its foam allows.
 TEST_F(Cover, StaysLevelOnATube) {
   ASSERT_EQ(run("--set canvas.kind=cylinder --set canvas.cylinder.radius=0.045 "

@@ -77,6 +77,57 @@ TEST(TreatmentMap, SumsUpWhatItCoversAndMisses) {
   EXPECT_NEAR(map.pressure_sd(), 0.1 * p, 1e-3 * p);
 }
 
+// What is asked for half as hard is treated by half of the force, and even where its dose is half.
+TEST(TreatmentMap, KnowsWhatShareAPlaceIsToGet) {
+  TreatmentMap map = after_a_line(0.0);
+  const std::vector<char> places = [&] {
+    std::vector<char> middle(map.grid().size());
+    for (std::size_t v = 0; v < middle.size(); ++v)
+      middle[v] = map.grid().plane(v).cwiseAbs().maxCoeff() < 0.01;
+    return middle;
+  }();
+  const TreatmentShares all = shares_of(map, places),
+                        half = shares_of(map, places, std::vector<double>(places.size(), 0.5));
+  EXPECT_NEAR(half.dose_mean, 2.0 * all.dose_mean, 1e-9);
+  EXPECT_NEAR(half.dose_cv, all.dose_cv, 1e-9);
+  for (const double share : {0.5, 1.0}) {
+    PadSettings pad;
+    pad.rest = kForce / (pad.stiffness * pad.area());
+    TreatmentMap light(map.grid(), pad, kForce, kSpeed);
+    const Eigen::AngleAxisd down(std::numbers::pi, Eigen::Vector3d::UnitX());
+    for (double t = 0.0; t < 1.0; t += kDt)
+      light.press({{-0.05 + kSpeed * t, 0.0, 0.0}, down.toRotationMatrix()}, 0.55 * kForce,
+                  {kSpeed, 0.0, 0.0}, t, kDt, true, share);
+    EXPECT_NEAR(shares_of(light, places).treated, share == 0.5 ? all.area : 0.0, 1e-9) << share;
+  }
+}
+
+// A pad that is held with a lean: its joints level it, but for the friction's moment.
+TEST(TreatmentMap, LiesAsTheJointsLetIt) {
+  const TreatmentMap level = after_a_line(0.0);
+  const SurfaceGrid& g = level.grid();
+  const auto dose = [&](int joints, double pivot, double lean_deg, std::size_t v) {
+    PadSettings pad;
+    pad.rest = kForce / (pad.stiffness * pad.area());
+    pad.joints = joints;
+    pad.pivot = pivot;
+    TreatmentMap map(g, pad, kForce, kSpeed);
+    const Eigen::AngleAxisd down(std::numbers::pi + lean_deg * std::numbers::pi / 180.0,
+                                 Eigen::Vector3d::UnitX());
+    for (double t = 0.0; t < 1.0; t += kDt)
+      map.press({{-0.05 + kSpeed * t, 0.0, 0.0}, down.toRotationMatrix()}, kForce,
+                {kSpeed, 0.0, 0.0}, t, kDt);
+    return map.dose(v);
+  };
+  const std::size_t beside = g.index(50, 38);
+  const double even = level.dose(beside),
+               on_surface = PadSettings().thickness - 5.0 / 2e6 / PadSettings().area();
+  EXPECT_GT(std::abs(dose(0, 0.0, 4.0, beside) / even - 1.0), 0.1);
+  EXPECT_NEAR(dose(1, -on_surface, 4.0, beside) / even, 1.0, 0.02);
+  EXPECT_NEAR(dose(2, 0.0, 4.0, beside) / even, 1.0,
+              0.02);  // leaning ahead evens out along the way
+}
+
 // A map that believes the surface to lie elsewhere: the force tells how deep the pad is pressed.
 TEST(TreatmentMap, DoesNotDependOnTheHeightOfItsGrid) {
   const TreatmentMap right = after_a_line(0.0);

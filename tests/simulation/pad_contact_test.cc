@@ -67,6 +67,75 @@ TEST(Pad, SlidingAndTurningFriction) {
               0.02 * s.friction * force * s.radius);
 }
 
+// Joints turn the disc onto the plane, each about its own axis alone, and pass no moment on.
+TEST(Pad, TurnsAboutItsJoints) {
+  const Canvas canvas = plane();
+  for (const int joints : {1, 2}) {
+    PadSettings s;
+    s.joints = joints;
+    s.friction = 0.0;  // it would hold the disc before it is level
+    for (const bool about_x : {true, false}) {
+      PadContact pad(s);
+      const double tilt = 0.05, inertia = std::numbers::pi / 4.0 * std::pow(s.radius, 4);
+      Pose X = pressed(1.2e-3);
+      const Eigen::Vector3d axis = about_x ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+      X.R = X.R * Eigen::AngleAxisd(tilt, axis).toRotationMatrix();
+      PadLoad at;
+      for (int i = 0; i < 500; ++i) at = pad.press(canvas, X, Vector6::Zero(), 1e-3);
+      // About the joints' centre, in the middle of the disc.
+      const Eigen::Vector3d centre(0.0, 0.0, s.rest - s.thickness);
+      const double moment = (X.R.transpose() * (at.m - (X.R * centre).cross(at.f))).dot(axis);
+      const bool turns = about_x || joints == 2;
+      EXPECT_NEAR(pad.tilt()[about_x ? 0 : 1], turns ? -tilt : 0.0, 1e-4) << joints << about_x;
+      // The foam's moment, less that of the force, which is not through the centre.
+      const double stiff =
+          s.stiffness * inertia - s.stiffness * s.area() * 1.2e-3 * (s.thickness - 1.2e-3);
+      EXPECT_NEAR(std::abs(moment), turns ? 0.0 : stiff * tilt, 0.02 * stiff * tilt)
+          << joints << about_x;
+      EXPECT_NEAR(pad.tilt()[about_x ? 1 : 0], 0.0, 1e-4);
+    }
+  }
+}
+
+// A disc that slides leans on its leading edge: its moment balances that of the friction.
+TEST(Pad, LeansOnItsJointsAsItSlides) {
+  const Canvas canvas = plane();
+  for (const double pivot : {-0.009, -0.007}) {
+    PadSettings s;
+    s.joints = 2;
+    s.pivot = pivot;
+    const double depth = 1.5e-3, force = s.stiffness * s.area() * depth,
+                 lever = s.thickness - depth + pivot,
+                 stiffness = s.stiffness * std::numbers::pi / 4.0 * std::pow(s.radius, 4);
+    PadContact pad(s);
+    Vector6 V = Vector6::Zero();
+    V.head<2>() << 0.1, 0.0;
+    PadLoad at;
+    for (int i = 0; i < 1000; ++i) at = pad.press(canvas, pressed(depth), V, 1e-3);
+    const double lean = s.friction * force * lever / stiffness;
+    EXPECT_NEAR(pad.tilt().norm(), std::abs(lean), 0.05 * std::abs(lean) + 1e-4) << pivot;
+    // Its pressure is greater ahead: E looks down, its x axis is the world's.
+    EXPECT_GT((at.centre - pressed(depth).p).x() * lever, 0.0) << pivot;
+    EXPECT_NEAR((at.centre - pressed(depth).p).x(), s.friction * lever,
+                0.1 * s.friction * std::abs(lever));
+  }
+}
+
+TEST(Pad, PassesAMomentOnAtTheEndOfItsJoints) {
+  const Canvas canvas = plane();
+  PadSettings s;
+  s.joints = 2;
+  s.friction = 0.0;
+  PadContact pad(s);
+  const Pose X = pressed(1.5e-3, 0.45);
+  PadLoad at;
+  for (int i = 0; i < 500; ++i) at = pad.press(canvas, X, Vector6::Zero(), 1e-3);
+  EXPECT_NEAR(pad.tilt().x(), -PadContact::kJointEnd, 1e-9);
+  EXPECT_GT(std::abs((X.R.transpose() * at.m).x()), 1e-3);
+  pad.reset();
+  EXPECT_EQ(pad.tilt().norm(), 0.0);
+}
+
 TEST(Pad, SticksByItsShear) {
   const PadSettings s;
   Vector6 V = Vector6::Zero();

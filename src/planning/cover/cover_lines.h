@@ -27,6 +27,7 @@ struct CoverWish {
   double direction_deg = 90.0;  // of the rows, from the plane's x axis
   double margin = 1e-3;         // [m]
   std::vector<char> region;     // of the grid's vertices that are wanted; empty: all
+  std::vector<double> share;    // of the most, that each vertex is to get; empty: all the same
 };
 
 inline constexpr double kTouching = 0.98;

@@ -55,6 +55,14 @@ std::vector<double> dose_of(const SurfaceGrid& g, const std::vector<Segment>& se
 
 }  // namespace
 
+double mean_of(const SurfaceGrid& g, const std::vector<double>& field,
+               const std::vector<char>& places) {
+  double sum = 0.0, area = 0.0;
+  for (std::size_t v = 0; v < g.size(); ++v)
+    if (places[v]) sum += g.area[v] * field[v], area += g.area[v];
+  return area > 0.0 ? sum / area : 0.0;
+}
+
 std::vector<double> dose_of(const SurfaceGrid& g, const PlaneLines& lines, const PressedFeet& feet,
                             const std::vector<std::vector<double>>& forces) {
   const std::vector<Segment> segments = segments_of(g, lines, feet);
@@ -65,22 +73,22 @@ std::vector<double> dose_of(const SurfaceGrid& g, const PlaneLines& lines, const
 }
 
 std::vector<std::vector<double>> even_forces(const SurfaceGrid& g, const PlaneLines& lines,
-                                             const PressedFeet& feet,
-                                             const std::vector<char>& places, double most) {
+                                             const PressedFeet& feet, const WantedDose& wanted,
+                                             const ForceRange& range) {
   const std::vector<Segment> segments = segments_of(g, lines, feet);
+  const std::vector<char>& places = wanted.places;
   std::vector<double> force(segments.size(), 1.0);
-  double mean = 0.0, area = 0.0;
+  double whole = wanted.whole;
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<double> dose = dose_of(g, segments, force);
-    if (round == 0)
-      for (std::size_t v = 0; v < g.size(); ++v)
-        if (places[v]) mean += g.area[v] * dose[v], area += g.area[v];
-    if (!(area > 0.0)) break;
+    if (round == 0 && wanted.share.empty()) whole = mean_of(g, dose, places);
+    if (!(whole > 0.0)) break;
     for (std::size_t k = 0; k < segments.size(); ++k) {
       double sum = 0.0, n = 0.0;
       for (const auto& [v, way] : segments[k].places)
-        if (places[v] && dose[v] > 0.0) sum += way * mean / area / dose[v], n += way;
-      if (n > 0.0) force[k] = std::clamp(force[k] * sum / n, 1.0 - most, 1.0 + most);
+        if (places[v] && dose[v] > 0.0)
+          sum += way * (wanted.share.empty() ? whole : whole * wanted.share[v]) / dose[v], n += way;
+      if (n > 0.0) force[k] = std::clamp(force[k] * sum / n, range.least, range.most);
     }
     std::size_t first = 0;
     for (const auto& line : lines) {
@@ -95,11 +103,11 @@ std::vector<std::vector<double>> even_forces(const SurfaceGrid& g, const PlaneLi
       first += line.size();
     }
   }
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kRounds && wanted.share.empty(); ++round) {
     double way = 0.0, pressed = 0.0;
     for (std::size_t k = 0; k < segments.size(); ++k)
       way += segments[k].way, pressed += segments[k].way * force[k];
-    for (double& f : force) f = std::clamp(f * way / pressed, 1.0 - most, 1.0 + most);
+    for (double& f : force) f = std::clamp(f * way / pressed, range.least, range.most);
   }
   std::vector<std::vector<double>> forces;
   auto at = force.begin();
@@ -108,6 +116,32 @@ std::vector<std::vector<double>> even_forces(const SurfaceGrid& g, const PlaneLi
     at += static_cast<std::ptrdiff_t>(line.size());
   }
   return forces;
+}
+
+PlaneLines in_passes(const SurfaceGrid& g, const PlaneLines& lines, const PressedFeet& feet,
+                     const WantedDose& wanted, const ForceRange& range, int passes) {
+  const auto forces = even_forces(g, lines, feet, wanted, {range.least, passes * range.most});
+  PlaneLines all = lines;
+  for (int before = 1; before < passes; ++before)
+    for (std::size_t l = 0; l < lines.size(); ++l) {
+      std::vector<Eigen::Vector2d> part;
+      double way = 0.0;
+      const auto close = [&] {
+        if (way > feet.foot().radius) all.push_back(part);
+        part.clear();
+        way = 0.0;
+      };
+      for (std::size_t i = 0; i < lines[l].size(); ++i) {
+        if (forces[l][i] <= before * range.most) {
+          close();
+          continue;
+        }
+        if (!part.empty()) way += (g.lifted(lines[l][i]) - g.lifted(part.back())).norm();
+        part.push_back(lines[l][i]);
+      }
+      close();
+    }
+  return all;
 }
 
 }  // namespace impedraw

@@ -96,7 +96,7 @@ TEST(EvenForces, MakeTheDoseMoreEvenWithinTheirLimits) {
   const Centres centres = footprint_centres(g, wish);
   const CoverLines lines = cover_lines(g, centres, wish);
   const std::vector<char> places = inside_by(g, swept(g, lines.passes, kPad - 5e-4), kPad);
-  const auto forces = even_forces(g, lines.passes, feet(g), places, 0.1);
+  const auto forces = even_forces(g, lines.passes, feet(g), {places}, {0.9, 1.1});
   const double even = cv(g, dose_of(g, lines.passes, feet(g)), places);
   EXPECT_LT(cv(g, dose_of(g, lines.passes, feet(g), forces), places), 0.95 * even);
   double n = 0.0, sum = 0.0;
@@ -112,6 +112,40 @@ TEST(EvenForces, MakeTheDoseMoreEvenWithinTheirLimits) {
     }
   }
   EXPECT_NEAR(sum / n, 1.0, 0.03);
+}
+
+// A dose that grows by 1.5 % of the least for each millimetre along x, to 2.2 times as much.
+TEST(EvenForces, GiveEachPlaceItsShare) {
+  const SurfaceGrid g = plane();
+  const PlaneLines once = rows(kPad / 1.62);
+  WantedDose wanted{std::vector<char>(g.size()), std::vector<double>(g.size(), 1.0)};
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    wanted.places[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 1.5 * kPad;
+    wanted.share[v] = 1.0 + 15.0 * g.plane(v).x();
+  }
+  wanted.whole = mean_of(g, dose_of(g, once, feet(g)), wanted.places);
+  const auto off = [&](const PlaneLines& lines, const ForceRange& range) {
+    const auto forces = even_forces(g, lines, feet(g), wanted, range);
+    for (const auto& line : forces)
+      for (const double f : line) {
+        EXPECT_GE(f, range.least - 1e-9);
+        EXPECT_LE(f, range.most + 1e-9);
+      }
+    std::vector<double> dose = dose_of(g, lines, feet(g), forces);
+    for (std::size_t v = 0; v < g.size(); ++v) dose[v] /= wanted.share[v] * wanted.whole;
+    EXPECT_NEAR(mean_of(g, dose, wanted.places), 1.0, 0.03);
+    return cv(g, dose, wanted.places);
+  };
+  EXPECT_LT(off(once, {0.4, 2.0}), 0.05);
+  // Up to the force of one pass: a second pass lies where more is wanted, and ends beyond it.
+  const ForceRange one{0.4, 1.0};
+  const PlaneLines twice = in_passes(g, once, feet(g), wanted, one, 2);
+  ASSERT_GT(twice.size(), once.size());
+  for (std::size_t l = 0; l < once.size(); ++l) EXPECT_EQ(twice[l], once[l]);
+  for (std::size_t l = once.size(); l < twice.size(); ++l)
+    for (const Eigen::Vector2d& p : twice[l]) EXPECT_GT(p.x(), -0.7 * kPad);
+  EXPECT_LT(off(twice, one), 0.09);
+  EXPECT_EQ(in_passes(g, once, feet(g), wanted, one, 1).size(), once.size());
 }
 
 // Of the lines that cover a plane, at a spacing.
