@@ -129,6 +129,7 @@ void visit_rows(const std::filesystem::path& path,
     take(i, "/contact/normal", 3, false, row.contact_normal.data());
     take(i, "/wrench/measured", 6, false, row.wrench_measured.data());
     take(i, "/surface/normal", 3, false, row.surface_normal.data());
+    take(i, "/push", 1, false, &row.push);
     for (const auto& [name, X] :
          {std::pair(kCanvasPoseColumn, &row.canvas_pose),
           std::pair(kEstimatedCanvasPoseColumn, &row.estimated_canvas_pose)}) {

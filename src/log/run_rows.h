@@ -99,8 +99,8 @@ RunRows read_rows(const std::filesystem::path& path);
 
 // Hands over the rows of a log, one after the other, with time, stroke and place on it, mode,
 // measured joint positions, pose of the tip, contact force, point and normal, measured wrench,
-// estimated normal and poses of the canvas. Throws InputError as read_rows(), or if rows cannot be
-// read.
+// push, estimated normal and poses of the canvas. Throws InputError as read_rows(), or if rows
+// cannot be read.
 void visit_rows(const std::filesystem::path& path, const std::function<void(const LogRow&)>& visit);
 
 }  // namespace impedraw

@@ -120,6 +120,10 @@ TEST_F(Cover, RemovesAsTheTonesSay) {
   EXPECT_GT(whole["metrics"]["treated_share"], 0.995);
   EXPECT_LT(whole["metrics"]["removal_cv"], 0.1);
   EXPECT_LT(whole["metrics"]["removal_map_error"], 0.05);
+  // The log tells as much.
+  ASSERT_EQ(run(window("1") + " --set cover.dose=by_tone --set cover.passes=2 --resume"), 0);
+  const auto again = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_NEAR(again["treated_share"], whole["metrics"]["treated_share"], 0.002) << said();
   EXPECT_EQ(run(window("1") + " --set cover.dose=by_tone --set tool.kind=nozzle --overwrite"), 2);
   EXPECT_NE(said().find("by_tone varies the force of a pad"), std::string::npos) << said();
   EXPECT_EQ(run("--set cover.dose=by_tone --overwrite"), 2);
