@@ -6,8 +6,10 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include "impedraw/arm/inverse_kinematics.h"
@@ -239,6 +241,7 @@ PlacedCanvas place_about(const Scenario& scenario, const Places& places,
   PlacedCanvas best;
   double least = std::numeric_limits<double>::infinity();
   int planned = 0;
+  std::string why;
   for (const Candidate& c : found) {
     if (!(c.lost < least) || planned == kPlanned) break;
     const Scenario there = moved(given, c.move, c.turn_deg);
@@ -246,7 +249,8 @@ PlacedCanvas place_about(const Scenario& scenario, const Places& places,
     try {
       lost = not_drawable(prepare_plan(there, places, Unreachable::tell).plan.preflight.findings);
       ++planned;
-    } catch (const InputError&) {  // for example, out of the cameras' view
+    } catch (const InputError& error) {  // for example, out of the cameras' view
+      if (why.empty()) why = fmt::format(", at the best one by this: {}", error.what());
     }
     if (!(lost < least)) continue;
     least = lost;
@@ -254,7 +258,10 @@ PlacedCanvas place_about(const Scenario& scenario, const Places& places,
     if (best.passes) break;
   }
   if (!std::isfinite(least))
-    throw InputError("--place auto: the drawing cannot be drawn at any place that was tried");
+    throw InputError(fmt::format(
+        "--place auto: the drawing cannot be drawn at any place that was tried{}; --place surface "
+        "keeps the object where it is, and looks for a place on it",
+        why));
   return best;
 }
 
@@ -289,6 +296,10 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
   if (!scenario.canvas.motion.file.empty())
     throw InputError(
         "--place auto cannot move a recorded motion: canvas.motion.file must be empty");
+  if (scenario.canvas.kind == CanvasKind::seen)
+    throw InputError(
+        "--place auto moves the canvas, and one of kind seen stands where it was seen; valid is "
+        "--place surface, which looks for a place on it");
   const auto half = [&](double from) {
     return [&progress, from](double share) {
       if (progress) progress(from + 0.5 * share);

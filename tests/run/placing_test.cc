@@ -53,6 +53,20 @@ TEST(Placing, ARecordedMotionIsRefused) {
   }
 }
 
+// What was seen stands where it is: each place was tried in vain, and the message told nothing.
+TEST(Placing, WhatWasSeenIsNotMoved) {
+  Scenario scenario = resolve(DrawOptions());
+  scenario.canvas.kind = CanvasKind::seen;
+  try {
+    place_automatically(scenario, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "--place auto moves the canvas, and one of kind seen stands where it was seen; "
+                 "valid is --place surface, which looks for a place on it");
+  }
+}
+
 // Out of reach, the drawing is refused. After placing, all of it can be drawn, and no pose of an
 // independent grid is much better.
 TEST(Placing, FindsWhereTheArmReachesBest) {
