@@ -35,6 +35,11 @@ std::optional<StrokeSlot> slot_of(const std::vector<StrokeJob>& jobs, std::size_
   return std::nullopt;
 }
 
+// It can be drawn beyond the horizon, too: a window is open at its end, or opened twice before.
+bool comes_again(const StrokeJob& job, double horizon) {
+  return job.windows.size() > 1 || (!job.windows.empty() && job.windows.back().until >= horizon);
+}
+
 double end_of(const StrokeSchedule& s, const std::vector<StrokeJob>& jobs) {
   return s.slots.empty() ? 0.0 : s.slots.back().start + jobs[s.slots.back().job].duration;
 }
@@ -211,13 +216,25 @@ CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
   out.path = {};
   out.parts.clear();
   const bool sure = forecast.window() >= kSure;
-  if (sure)
-    for (const std::size_t job : order.lost)
+  const auto is_lost = [&](std::size_t job) {
+    return sure && !comes_again(jobs[job], pen.time + kHorizon - step);
+  };
+  for (const std::size_t job : order.lost)
+    if (is_lost(job) && parts[job].length() > kShortest) out.too_long.push_back(parts[job]);
+  if (!out.too_long.empty()) return out;
+  for (const std::size_t job : order.lost) {
+    if (!is_lost(job)) continue;
+    // Pieces that lie side by side are told as one.
+    if (!out.lost.empty() && out.lost.back().part.stroke == parts[job].stroke &&
+        out.lost.back().part.to == parts[job].from)
+      out.lost.back().part.to = parts[job].to;
+    else
       out.lost.push_back(
           {parts[job], lost_text(parts[job], planned->stroke == job ? planned : std::nullopt,
                                  jobs[job], forecast, pen)});
+  }
   if (order.slots.empty()) {
-    if (sure) return out;
+    if (std::ranges::all_of(order.lost, is_lost)) return out;
     out.kind = CarriedDecision::Kind::wait;
     out.until = pen.time + 2.0 * kAgain;
     out.why = fault_text(parts[planned->stroke].stroke, *planned);

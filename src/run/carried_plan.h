@@ -5,7 +5,8 @@
 // checked where the canvas will be while it is followed (carried_path.h), kHorizon ahead. Where the
 // planned order holds, it is drawn. Where it does not, each stroke's windows of reach are found and
 // the strokes are put in another order (carried_plan.h); the pen waits, up and at rest in W,
-// until the next one comes into reach. What fits nowhere is named, with when and how far.
+// until the next one comes into reach. What fits nowhere is cut, down to kShortest, and then named,
+// with when and how far; unless it comes into reach again and again, or still does at the horizon.
 #pragma once
 
 #include <cstddef>
@@ -67,6 +68,7 @@ struct CarriedDecision {
   std::optional<Eigen::Vector3d> place_W;  // where to wait; nothing: where the pen is [m]
   std::string why;                         // reason for not drawing as planned
   std::vector<UnreachedPart> lost;         // parts given up for good
+  std::vector<StrokePart> too_long;        // parts that fit nowhere as a whole: to be cut first
   std::vector<std::string> remarks;        // "stroke 3 is in reach from 4.2 to 9.8 s"
 };
 
@@ -82,6 +84,7 @@ class CarriedPlan {
  public:
   static constexpr double kHorizon = 40.0;  // [s]
   static constexpr double kSure = 3.0;      // explained motion after which a verdict is final [s]
+  static constexpr double kShortest = 0.1;  // what fits nowhere and is longer is to be cut [m]
 
   // first_time: when the run began, for messages [s].
   CarriedPlan(const Experiment& experiment, double first_time);

@@ -1,6 +1,7 @@
 #include "impedraw/run/drawings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -206,6 +207,10 @@ Move MovingDrawing::decide(const Situation& now) {
         e_, &pending_,
         [&](const std::vector<StrokePart>& left) { return decision_for(left, now); });
     for (const std::string& remark : decision.remarks) remark_on(remark);
+    if (!decision.too_long.empty()) {
+      cut(decision.too_long);
+      continue;
+    }
     if (std::optional<Move> end = give_up(decision.lost)) return *end;
     if (decision.kind == CarriedDecision::Kind::draw) return draw(std::move(decision));
     if (decision.kind == CarriedDecision::Kind::nothing) continue;
@@ -285,11 +290,26 @@ std::vector<StrokePart> MovingDrawing::left_by(const InkWatch& ink) const {
   return remaining(e_, ink, given_up);
 }
 
+void MovingDrawing::cut(const std::vector<StrokePart>& parts) {
+  constexpr double kLongest = 2.0;  // [m]
+  std::vector<StrokePart> all;
+  for (const StrokePart& p : pending_) {
+    const bool whole = std::ranges::none_of(parts, [&](const StrokePart& part) {
+      return part.stroke == p.stroke && part.from == p.from;
+    });
+    const int n = whole ? 1 : std::max(2, static_cast<int>(std::ceil(p.length() / kLongest)));
+    for (int i = 0; i < n; ++i)
+      all.push_back({p.stroke, p.from + p.length() * i / n,
+                     i + 1 == n ? p.to : p.from + p.length() * (i + 1) / n});
+  }
+  pending_ = std::move(all);
+}
+
 std::optional<Move> MovingDrawing::give_up(const std::vector<UnreachedPart>& lost) {
   for (const UnreachedPart& u : lost) {
     record_.unreached.push_back(u);
     std::erase_if(pending_, [&](const StrokePart& p) {
-      return p.stroke == u.part.stroke && p.from == u.part.from;
+      return p.stroke == u.part.stroke && p.from >= u.part.from && p.to <= u.part.to;
     });
   }
   if (lost.empty() || e_.scenario.drawing.skip_unreachable) return std::nullopt;

@@ -59,8 +59,9 @@ class TouchedDrawing : public DrawingTask {
 // (carried_plan.h).
 //
 // The arm first rests while the cameras watch the canvas. The pen waits, up and at rest, for a
-// stroke to come into reach; after kMostWait the stroke is given up. A stroke during which the
-// canvas leaves the reach is given up after kMostLeft attempts.
+// stroke to come into reach; after kMostWait the stroke is given up. One that fits nowhere as a
+// whole is cut, and its parts likewise. A stroke during which the canvas leaves the reach is given
+// up after kMostLeft attempts.
 class MovingDrawing : public DrawingTask {
  public:
   static constexpr double kMostWait = 45.0;  // [s]
@@ -88,6 +89,8 @@ class MovingDrawing : public DrawingTask {
   CanvasForecast forecast(const Situation& now) const;
   void begin_pass(std::vector<StrokePart> parts);
   std::vector<StrokePart> left_by(const InkWatch& ink) const;
+  // Cuts each of the pending parts that are given in two or more.
+  void cut(const std::vector<StrokePart>& parts);
   // Leaves them out; or the end of the drawing, where it must be drawn as a whole.
   std::optional<Move> give_up(const std::vector<UnreachedPart>& lost);
   void remark_on(const std::string& remark);
