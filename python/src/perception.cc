@@ -56,9 +56,6 @@ nb::object points_view(const std::vector<Eigen::Vector3d>& points, nb::handle ow
 }  // namespace
 
 void bind_perception(nb::module_& m) {
-  nb::enum_<NormalMode>(m, "NormalMode", "When surfaces are fitted.")
-      .value("fresh", NormalMode::fresh, "for each query, as in the paper")
-      .value("interpolated", NormalMode::interpolated, "once for each point, then interpolated");
   nb::enum_<NeighbourWeighting>(m, "NeighbourWeighting", "Weights of a query's neighbours.")
       .value("uniform", NeighbourWeighting::uniform)
       .value("smooth", NeighbourWeighting::smooth);
@@ -68,7 +65,6 @@ void bind_perception(nb::module_& m) {
   Record<NormalSettings>(m, "NormalSettings", "Settings of the surface estimator.")
       .field("k", &NormalSettings::k, "neighbours of a query (18), 8 to 128")
       .field("max_radius", &NormalSettings::max_radius, "search radius [m], 0.001 to 1")
-      .field("mode", &NormalSettings::mode, "when surfaces are fitted")
       .field("weighting", &NormalSettings::weighting, "of the neighbours")
       .field("fit", &NormalSettings::fit, "plane or quadric")
       .field("max_one_sidedness", &NormalSettings::max_one_sidedness,

@@ -16,7 +16,6 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exit_code.h"
-#include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/input_files.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/run/identify_joints.h"

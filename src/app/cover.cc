@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "impedraw/common/errors.h"
-#include "impedraw/common/exit_code.h"
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/cover.h"
 #include "impedraw/experiment/experiment.h"
@@ -17,6 +16,7 @@
 #include "impedraw/files/data_folder.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/log/run_rows.h"
+#include "impedraw/planning/cover/even_forces.h"
 #include "impedraw/report/cover_picture.h"
 #include "impedraw/run/results.h"
 #include "impedraw/run/run_folder.h"

@@ -10,7 +10,6 @@
 #include <pinocchio/multibody/data.hpp>
 
 #include "impedraw/arm/urdf_model.h"
-#include "impedraw/common/errors.h"
 #include "impedraw/common/per_joint.h"
 #include "impedraw/common/range_check.h"
 

@@ -12,8 +12,6 @@
 
 #include <Eigen/Core>
 
-#include "impedraw/canvas/triangle_mesh.h"
-
 namespace impedraw {
 
 struct PolygonMesh {

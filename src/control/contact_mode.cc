@@ -1,7 +1,5 @@
 #include "impedraw/control/contact_mode.h"
 
-#include <cmath>
-
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
 #include "impedraw/control/describe_control.h"

@@ -61,7 +61,7 @@ void describe(F& f, ObserverSettings& s) {
 template <class F>
 void describe(F& f, ForceIntegralSettings& s) {
   f.field("enabled", s.enabled, "Uses the integral. It needs a measured wrench.");
-  f.field("rate", s.rate, {0.01, 50.0}, "1/s", "Integral gain.");
+  f.constant("rate", s.rate, {0.01, 50.0}, "1/s");
   f.constant("limit", s.limit, {0.0, 50.0}, "N");
 }
 
@@ -81,8 +81,7 @@ void describe(F& f, ImpedanceSettings& s) {
           "Stiffness K about both tangents of the surface.");
   f.constant("rotational_stiffness_normal", s.stiffness.angular.normal, kAngular, "Nm/rad");
   f.constant("reference_stiffness_tangent", s.reference_stiffness.linear.tangent, kLinear, "N/m");
-  f.field("reference_stiffness_normal", s.reference_stiffness.linear.normal, kLinear, "N/m",
-          "Stiffness K' that sets the damping where K is zero, along the surface normal.");
+  f.constant("reference_stiffness_normal", s.reference_stiffness.linear.normal, kLinear, "N/m");
   f.constant("reference_rotational_stiffness_tangent", s.reference_stiffness.angular.tangent,
              kAngular, "Nm/rad");
   f.field("reference_rotational_stiffness_normal", s.reference_stiffness.angular.normal, kAngular,
@@ -102,16 +101,13 @@ void describe(F& f, ImpedanceSettings& s) {
           "Normal force that the pen presses with while drawing.")
       .for_users()
       .formerly("push");
-  f.field("switch_time", s.switch_time, {0.001, 5.0}, "s",
-          "Time constant of the transition between contact modes.");
+  f.constant("switch_time", s.switch_time, {0.001, 5.0}, "s");
   f.field("approach_speed", s.approach.speed, {1e-4, 0.2}, "m/s",
           "Speed along the normal until the pen touches.");
   f.constant("approach_overtravel", s.approach.overtravel, {0.0, 0.5}, "m");
-  f.field("approach_lag", s.approach.lag, {1e-4, 0.05}, "m",
-          "Lag of the tip above which the approach waits.");
+  f.constant("approach_lag", s.approach.lag, {1e-4, 0.05}, "m");
   f.constant("retreat_height", s.approach.retreat_height, {0.0, 0.5}, "m");
-  f.field("normal_bandwidth", s.surface.normal_bandwidth, {1.0, 500.0}, "rad/s",
-          "Bandwidth of the filter of the surface normal.");
+  f.constant("normal_bandwidth", s.surface.normal_bandwidth, {1.0, 500.0}, "rad/s");
   f.field("tip_radius", s.tip.radius, {0.0, 0.05}, "m", "Modelled radius of the tip.");
   f.field("tip_stiffness", s.tip.stiffness, {0.0, 1e7}, "N/m",
           "Modelled stiffness of the tip along the normal; 0: rigid.");
@@ -124,11 +120,9 @@ void describe(F& f, ImpedanceSettings& s) {
   f.field("contact_stiffness_max", s.stability_check.contact_stiffness_max, {1.0, 1e7}, "N/m",
           "Stiffest contact of tip and canvas in the stability check at set-up.");
   f.constant("natural_mass_max", s.stability_check.natural_mass_max, {0.1, 1000.0}, "kg");
-  f.field("null_damping_ratio", s.null_space.damping_ratio, {0.0, 3.0}, "",
-          "Damping ratio of the null space.");
+  f.constant("null_damping_ratio", s.null_space.damping_ratio, {0.0, 3.0}, "");
   // up to the longest delay of the drives, and one step
-  f.field("loop_delay", s.timing.loop_delay, {0.0, 0.021}, "s",
-          "Greatest age of the state while a torque acts: one step and the delay of the drives.");
+  f.constant("loop_delay", s.timing.loop_delay, {0.0, 0.021}, "s");
   f.field("force_integral", s.force_integral, "Integral of the force error along the normal.");
   f.constant("limit_margin", s.joint_range.margin, {0.001, 1.0}, "rad");
   f.constant("limit_torque", s.joint_range.torque, {0.0, 300.0}, "Nm");

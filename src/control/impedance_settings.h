@@ -5,7 +5,6 @@
 // Errors  validate() throws InputError, which names the setting, its value and what is valid
 #pragma once
 
-#include "impedraw/common/range.h"
 #include "impedraw/control/axial_gain.h"
 #include "impedraw/control/contact_mode.h"
 #include "impedraw/control/felt_normal.h"
@@ -44,7 +43,8 @@ enum class PenAxis {
 struct TimingSettings {
   double dt = 1e-3;  // step [s]
   // Greatest age of the state while the torque computed from it acts [s]: one step if the torque
-  // acts immediately and until the next one, plus the delay of drives and communication.
+  // acts immediately and until the next one, plus the delay of drives and communication, which a
+  // scenario gives (control.torque_delay, arm.delay).
   double loop_delay = 1e-3;
   // Age of F_ext as passed to step() [s]. At least one step, as F_ext is a mean over the last step.
   double wrench_delay = 1e-3;
@@ -67,14 +67,16 @@ struct SurfaceSettings {
   Eigen::Vector3d drawing_axis_W = Eigen::Vector3d::UnitZ();  // z, unit, out of the drawing plane
   double min_axis_cosine = 0.2;  // |n·z| below which the plan's own height begins to count
   PenAxis pen_axis = PenAxis::surface;
-  double normal_bandwidth = 40.0;  // of the tracker of the surface normal [rad/s]
+  // Of the tracker of the surface normal, which does not lag along a stroke [rad/s].
+  double normal_bandwidth = 40.0;
 };
 
 // Motion towards the surface and away from it.
 struct ApproachSettings {
-  double speed = 0.01;           // along −n [m/s]
-  double overtravel = 4.0e-3;    // the approach ends this far beneath the estimated surface [m]
-  double lag = 2.0e-3;           // the approach waits if the tip lags by more than this [m]
+  double speed = 0.01;         // along −n [m/s]
+  double overtravel = 4.0e-3;  // the approach ends this far beneath the estimated surface [m]
+  // The approach waits if the tip lags by more than this: half of overtravel [m].
+  double lag = 2.0e-3;
   double retreat_height = 0.02;  // above the plan, after surface or wrench is lost [m]
 };
 
@@ -99,7 +101,7 @@ struct FrictionSettings {
 // contact.
 struct ForceIntegralSettings {
   bool enabled = false;  // needs a measured wrench
-  double rate = 2.0;     // of push per force error [1/s]
+  double rate = 2.0;     // of push per force error [1/s]: slow beside the contact's bandwidth
   double limit = 2.0;    // of its contribution to the push, ± [N]
 };
 
@@ -113,7 +115,7 @@ struct StabilityCheckSettings {
 // space.
 struct NullSpaceSettings {
   Eigen::VectorXd stiffness;   // K_q [Nm/rad]; empty: 10 Nm/rad on each joint
-  double damping_ratio = 0.7;  // ζ of D_q = 2 ζ √(K_q diag(M))
+  double damping_ratio = 0.7;  // ζ of D_q = 2 ζ √(K_q diag(M)): overshoot of 5 % of a step
   // Rest posture (14) [rad]; empty: the middle of each joint's range, 0 for a joint without a range
   Eigen::VectorXd q_0;
 };

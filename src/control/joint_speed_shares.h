@@ -11,7 +11,7 @@ struct JointSpeedShares {
   static constexpr double kSwing = 0.5;
   static constexpr double kPlanned = 0.7;        // default of path.joint_speed_share
   static constexpr double kClockYields = 0.85;   // the plan's clock slows down …
-  static constexpr double kLaw = 0.9;            // default of control.joint_speed_share
+  static constexpr double kLaw = 0.9;            // what the law may ask for
   static constexpr double kClockStands = 1.15;   // … until it stands
   static constexpr double kBrakedLimited = 1.2;  // damped while torques are at their limits
   static constexpr double kBraked = 2.5;         // damped at once; a joint's end stop gives 1.9

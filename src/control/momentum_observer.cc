@@ -1,6 +1,5 @@
 #include "impedraw/control/momentum_observer.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 

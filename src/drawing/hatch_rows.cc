@@ -1,7 +1,6 @@
 #include "impedraw/drawing/hatch_rows.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>

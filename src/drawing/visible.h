@@ -19,7 +19,6 @@
 
 #include "impedraw/drawing/clip_regions.h"
 #include "impedraw/drawing/colours.h"
-#include "impedraw/drawing/regions.h"
 #include "impedraw/drawing/stroke.h"
 
 namespace impedraw {

@@ -11,9 +11,9 @@
 #include "impedraw/drawing/bounded.h"
 #include "impedraw/drawing/dashes.h"
 #include "impedraw/drawing/hershey.h"
+#include "impedraw/drawing/joined.h"
 #include "impedraw/drawing/order.h"
 #include "impedraw/drawing/polyline.h"
-#include "impedraw/drawing/simplify.h"
 #include "impedraw/planning/cover/surface_grid.h"
 
 namespace impedraw {
@@ -138,18 +138,6 @@ Artwork given_artwork(const DrawingSettings& s, const SettingErrors& setting_err
   });
 }
 
-void break_dashes(Artwork& artwork, bool apply) {
-  const auto broken = [](const Stroke& stroke) { return stroke.dash >= 0; };
-  if (apply) {
-    artwork.strokes = dashed(artwork.strokes, artwork.dashes);
-  } else if (const auto count =
-                 std::count_if(artwork.strokes.begin(), artwork.strokes.end(), broken)) {
-    artwork.warnings.push_back(fmt::format("{} dashed lines are drawn solid", count));
-    for (Stroke& stroke : artwork.strokes) stroke.dash = -1;
-  }
-  artwork.dashes.clear();
-}
-
 // Bounds of a drawing: more takes a day to draw.
 constexpr std::size_t kMostPoints = 5'000'000, kMostStrokes = 100'000;
 constexpr double kLongestDrawing = 1000.0;  // [m] in the drawing plane
@@ -205,8 +193,9 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
     setting_errors.locate({"drawing.layer"}, [&] { choose_layers(artwork, s.layer); });
   setting_errors.locate({"drawing.svg", "drawing.text.text", "drawing"},
                         [&] { require_few(artwork); });
-  setting_errors.locate({"drawing.dashes", "drawing.svg"},
-                        [&] { break_dashes(artwork, s.dashes); });
+  setting_errors.locate({"drawing.svg"},
+                        [&] { artwork.strokes = dashed(artwork.strokes, artwork.dashes); });
+  artwork.dashes.clear();
 
   if (!s.hatch.outline) drop_edges(artwork);
   if (s.hatch.spacing_mm > 0.0 && !artwork.areas.empty()) {
@@ -231,11 +220,7 @@ Shape make_artwork(const DrawingSettings& s, const SettingErrors& setting_errors
             artwork.name));
   }
 
-  setting_errors.locate({"drawing.hatch", "drawing.dashes", "drawing.svg", "drawing"},
-                        [&] { require_few(artwork); });
-  if (s.simplify_mm > 0.0) {
-    for (Stroke& stroke : artwork.strokes) stroke = simplified(stroke, s.simplify_mm);
-  }
+  setting_errors.locate({"drawing.hatch", "drawing.svg", "drawing"}, [&] { require_few(artwork); });
   if (!s.keep_order) {
     artwork.strokes = joined(std::move(artwork.strokes));
     artwork.strokes = in_order(artwork.strokes, shortest_order(artwork.strokes, {}, progress));

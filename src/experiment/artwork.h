@@ -1,5 +1,5 @@
 // Stage 1 of an experiment, Scenario → PlacedArtwork: what is drawn, and where. The artwork is read
-// from a file or typeset, split into dashes, hatched, simplified, ordered for drawing, and placed
+// from a file or typeset, split into dashes, hatched, ordered for drawing, and placed
 // on the drawing plane.
 #pragma once
 
@@ -62,7 +62,7 @@ const std::vector<std::string>& placement_setting_names();
 PlacementSettings placement_settings(const DrawingSettings& settings);
 
 // Makes a built-in shape, or processes the file or text in this order: join ends, dash, hatch,
-// simplify, order. Hatch lines are spaced on the canvas, so the placement's scale matters. The
+// order. Hatch lines are spaced on the canvas, so the placement's scale matters. The
 // target is then what is drawn. Warnings report deviations from the artwork. Deterministic. Throws
 // InputError with the setting's source location, from setting_errors.
 Shape make_artwork(const DrawingSettings& settings, const SettingErrors& setting_errors,

@@ -12,8 +12,8 @@
 #include "impedraw/control/damping.h"
 #include "impedraw/control/describe_control.h"
 #include "impedraw/control/impedance.h"
+#include "impedraw/control/joint_speed_shares.h"
 #include "impedraw/sensing/touch_surface.h"
-#include "impedraw/simulation/joint_springs.h"
 
 namespace impedraw {
 namespace {
@@ -67,12 +67,9 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
   settings.wrench =
       s.control.source == WrenchSource::none ? WrenchFeedback::none : WrenchFeedback::measured;
   settings.timing.wrench_delay = wrench_delay;
-  if (s.control.torque_delay)
-    settings.timing.loop_delay =
-        std::max(settings.timing.loop_delay, *s.control.torque_delay + settings.timing.dt);
-  if (s.arm.driver != ArmDriver::sim)
-    settings.timing.loop_delay =
-        std::max(settings.timing.loop_delay, s.arm.delay + settings.timing.dt);
+  settings.timing.loop_delay = std::max(s.control.torque_delay.value_or(0.0),
+                                        s.arm.driver == ArmDriver::sim ? 0.0 : s.arm.delay) +
+                               settings.timing.dt;
   const auto pad = face_of(s);
   if (pad) {
     // Its face lies on the surface at E, and it is softer than a pen.
@@ -111,7 +108,7 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
   }
   settings.surface.drawing_axis_W = plan.path_settings.X_WP.R.col(2);
   settings.limits.torque = s.control.torque_share * limits.torque;
-  settings.limits.joint_speed = s.control.joint_speed_share * limits.speed;
+  settings.limits.joint_speed = JointSpeedShares::kLaw * limits.speed;
   settings.limits.torque_rate =
       Eigen::VectorXd::Constant(limits.torque.size(), torque_rate(s, limits));
   if (s.arm.driver != ArmDriver::sim)

@@ -13,7 +13,6 @@
 #include "impedraw/experiment/cover_region.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/place_wish.h"
-#include "impedraw/experiment/plan_notes.h"
 #include "impedraw/experiment/tool_fit.h"
 #include "impedraw/planning/cover/even_lines.h"
 #include "impedraw/planning/stroke_part.h"

@@ -11,7 +11,6 @@
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/experiment/scene.h"
 #include "impedraw/planning/cover/cover_lines.h"
-#include "impedraw/planning/cover/even_forces.h"
 #include "impedraw/settings/setting_error.h"
 
 namespace impedraw {

@@ -1,5 +1,6 @@
 // The settings of a scenario under `perception` and `control`.
 #include "impedraw/control/describe_control.h"
+#include "impedraw/control/joint_speed_shares.h"
 #include "impedraw/experiment/scenario.h"
 
 namespace impedraw {
@@ -16,8 +17,7 @@ void describe(Fields& f, CameraSettings& s) {
 void describe(Fields& f, DepthNoise& s) {
   f.field(DepthNoise::Limits::sigma_at_1m, s.sigma_at_1m,
           "Standard deviation of the depth at 1 m; it grows with depth². A real camera has 0.001.");
-  f.field(DepthNoise::Limits::quantum_at_1m, s.quantum_at_1m,
-          "Resolution of the depth at 1 m; it grows with depth². 0: continuous.");
+  f.constant("quantum_at_1m", 0.0, Range::any(), "m");
 }
 
 void describe(Fields& f, CameraErrors& s) {
@@ -34,11 +34,9 @@ void describe(Fields& f, CameraErrors& s) {
 }
 
 void describe(Fields& f, NormalSettings& s) {
-  using Limits = NormalSettings::Limits;
-  f.choice("mode", s.mode, {"fresh", "interpolated"},
-           "Whether the normal is fitted anew at each step or interpolated between normals fitted "
-           "once.");
-  f.field(Limits::k, s.k, "Number of nearest neighbours, equation (18).");
+  f.constant("mode", std::string_view("fresh"));
+  f.field("k", s.k, NormalSettings::kNeighbours, "",
+          "Number of nearest neighbours, equation (18).");
   f.constant("max_radius", s.max_radius, Range::any(), "m");
   f.choice("weighting", s.weighting, {"uniform", "smooth"},
            "Weights of the neighbours: all equal, as in the paper, or fading out with distance.");
@@ -152,15 +150,15 @@ void describe(Fields& f, SensingSettings& s) {
 }
 
 void describe(Fields& f, JointSensingSettings& s) {
-  using Limits = JointStateEstimatorSettings::Limits;
+  using Estimator = JointStateEstimatorSettings;
   f.choice("velocity", s.velocity, {"measured", "estimated"},
            "Joint velocities of the control law: as measured, or estimated from the positions, the "
            "torques and the arm's model.");
-  f.field(Limits::bandwidth, s.bandwidth,
+  f.field("bandwidth", s.bandwidth, Estimator::kBandwidth, "rad/s",
           "Bandwidth of the estimator. Noise of the positions, as measured, lowers it to 150 rad/s "
           "at the most, or as far as the stability checks allow.");
   f.constant("least_bandwidth", s.least_bandwidth, Range::any(), "rad/s");
-  f.field(Limits::sensor_delay, s.sensor_delay,
+  f.field("sensor_delay", s.sensor_delay, Estimator::kDelay, "s",
           "Modelled delay of the joints' sensors; null: their true delay.");
 }
 
@@ -191,10 +189,7 @@ void describe(Fields& f, ControlSettings& s) {
       "but 30 under a pad, and where the surface under the drawing is rough.");
   f.field("null_stiffness", s.null_stiffness, kNullStiffnessRange, "Nm/rad",
           "Stiffness K_q of the null space, equation (15), one per joint; empty: 10 each.");
-  f.field(
-      "torque_delay", s.torque_delay, {0.0, 0.02}, "s",
-      "Delay of the drives; loop_delay is then at least one step longer. null: loop_delay alone "
-      "counts.");
+  f.field("torque_delay", s.torque_delay, {0.0, 0.02}, "s", "Delay of the drives; null: none.");
   f.field("felt_normal", s.felt_normal,
           "The surface's normal as the measured force tells it, where perception smooths it.");
   f.field("observer", s.observer, "Momentum observer of the torque that the arm's model misses.");
@@ -205,10 +200,7 @@ void describe(Fields& f, ControlSettings& s) {
           "Fraction of the arm's torque limits that may be used.");
   f.field("torque_rate", s.torque_rate, kTorqueRateRange, "Nm/s",
           "Largest rate of change of a joint's torque.");
-  f.field(
-      "joint_speed_share", s.joint_speed_share, {0.01, 1.0}, "",
-      "Fraction of the arm's joint speed limits that the control law may ask for; faster joints "
-      "are damped.");
+  f.constant("joint_speed_share", JointSpeedShares::kLaw);
   f.field("check_rotors", s.check_rotors,
           "Refuses a simulated arm whose rotors differ from arm.rotor_inertia by more than the law "
           "bears.");

@@ -15,7 +15,6 @@
 #include "impedraw/experiment/place_wish.h"
 #include "impedraw/experiment/plan.h"
 #include "impedraw/experiment/scene.h"
-#include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/stroke_ruler.h"
 
 namespace impedraw {

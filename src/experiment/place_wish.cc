@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <utility>
 
 #include <fmt/format.h>
 

@@ -140,11 +140,9 @@ void describe(Fields& f, DrawingSettings& s) {
           "Layers that are drawn, by number or name, as in '2,black'; empty: all of them.")
       .for_users();
   f.constant("join_gap", 0.0, Range::any(), "mm");
-  f.field("dashes", s.dashes, "Draws dashed lines of an SVG as dashes.");
+  f.constant("dashes", true);
   f.field("hatch", s.hatch, "Hatching of an SVG's filled areas.");
-  f.field("simplify", s.simplify_mm, {0.0, 100.0}, "mm",
-          "Largest distance, on the page, by which a stroke may change when points are dropped; 0: "
-          "every point is kept.");
+  f.constant("simplify", 0.0, Range::any(), "mm");
   f.field("keep_order", s.keep_order,
           "Keeps the order of the strokes in the file instead of shortening the travel between "
           "them.");
@@ -184,8 +182,7 @@ void describe(Fields& f, ArmSettings& s) {
            "Not sim: wall: states come by the arm's own clock; lock_step: the arm is simulated "
            "and waits for the answer to each state.");
   f.field("delay", s.delay, {0.0, 0.02}, "s",
-          "Not sim: time from a state until the torque that answers it acts; control.loop_delay "
-          "is then at least one step longer.");
+          "Not sim: time from a state until the torque that answers it acts.");
   f.field("wrench_delay", s.wrench_delay, {0.0, 0.02}, "s",
           "iiwa-lcm: age of the wrench at the tip when it arrives, for control.wrench: "
           "ground_truth, which is then what the channel IMPEDRAW_TIP_WRENCH carries.");

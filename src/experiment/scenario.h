@@ -15,6 +15,7 @@
 #include "impedraw/drawing/stroke_file.h"
 #include "impedraw/drawing/text.h"
 #include "impedraw/experiment/canvas_settings.h"
+#include "impedraw/ink/pen.h"
 #include "impedraw/log/log_settings.h"
 #include "impedraw/perception/cloud.h"
 #include "impedraw/perception/frame_settings.h"
@@ -22,7 +23,6 @@
 #include "impedraw/planning/path/tip_planner.h"
 #include "impedraw/planning/preflight/preflight.h"
 #include "impedraw/planning/wrap/wrap.h"
-#include "impedraw/report/picture.h"
 #include "impedraw/sensing/joint_state_estimator.h"
 #include "impedraw/sensing/touch_settings.h"
 #include "impedraw/sensing/wrench_estimator.h"
@@ -151,10 +151,8 @@ struct DrawingSettings {
   PageUnit unit = PageUnit::file;         // of a stroke file's numbers
   Visible visible = Visible::as_painted;  // of an SVG
   LayerSource layers = LayerSource::automatic;
-  std::string layer;         // numbers and names of the layers that are drawn; empty: all
-  bool dashes = true;        // of an SVG's strokes
-  HatchSettings hatch;       // of an SVG's fills
-  double simplify_mm = 0.0;  // tolerance for removing points [mm on the page]
+  std::string layer;    // numbers and names of the layers that are drawn; empty: all
+  HatchSettings hatch;  // of an SVG's fills
   // Draws a file's strokes in the listed order, instead of one with short pen-up moves.
   bool keep_order = false;
   PlacementSettings placement;
@@ -320,11 +318,10 @@ struct ControlSettings : ImpedanceSettings {
   // Along the normal, for inertia: shaped; absent: the least of shaped_inertia, or more where the
   // wrench comes late (control_setup.cc) [kg].
   std::optional<double> mass_normal;
-  double torque_share = 1.0;       // of the arm's torque limits
-  double torque_rate = 4000.0;     // of every joint [Nm/s]
-  double joint_speed_share = 0.9;  // of the arm's joint speed limits
-  bool check_rotors = true;        // refuses what the law would not bear (experiment.cc)
-  // Delay of the drives [s]. If set, timing.loop_delay is raised to at least one step more.
+  double torque_share = 1.0;    // of the arm's torque limits
+  double torque_rate = 4000.0;  // of every joint [Nm/s]
+  bool check_rotors = true;     // refuses what the law would not bear (experiment.cc)
+  // Delay of the drives [s]; none: 0. timing.loop_delay is one step more.
   std::optional<double> torque_delay;
   // Stiffness of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.
   std::vector<double> null_stiffness;

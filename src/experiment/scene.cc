@@ -385,9 +385,8 @@ std::string made_of(const Scenario& s) {
   read.control.source = s.control.source;  // of the wrench: the world measures it or not
   // Without noise and errors of the cameras, the snapshot has nothing to draw by lot.
   const DepthNoise& noise = s.perception.noise;
-  const bool exact = noise.sigma_at_1m == 0.0 && noise.quantum_at_1m == 0.0 &&
-                     s.perception.errors.shift == 0.0 && s.perception.errors.turn_deg == 0.0 &&
-                     !s.perception.stereo;
+  const bool exact = noise.sigma_at_1m == 0.0 && s.perception.errors.shift == 0.0 &&
+                     s.perception.errors.turn_deg == 0.0 && !s.perception.stereo;
   read.seed = exact || !s.perception.enabled ? 0 : s.seed;
   return settings_yaml(read) + files;
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <condition_variable>
 #include <csignal>
-#include <cstring>
 #include <mutex>
 #include <string_view>
 #include <thread>

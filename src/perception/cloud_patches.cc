@@ -1,7 +1,5 @@
 #include "impedraw/perception/cloud_patches.h"
 
-#include <utility>
-
 #include <fmt/format.h>
 
 #include "impedraw/common/errors.h"
@@ -13,10 +11,10 @@ namespace {
 using Eigen::Vector3d;
 
 void validate(const PointCloud& cloud, const NormalSettings& s) {
-  using Limits = NormalSettings::Limits;
-  require_in_range("normals", Limits::k, s.k);
-  require_in_range("normals", Limits::max_radius, s.max_radius);
-  require_in_range("normals", Limits::max_one_sidedness, s.max_one_sidedness);
+  RangeChecks("normals")
+      .field("k", s.k, NormalSettings::kNeighbours, "")
+      .field("max_radius", s.max_radius, {0.001, 1.0}, "m")
+      .field("max_one_sidedness", s.max_one_sidedness, Range::positive_to(1.0), "");
   if (cloud.points.empty()) {
     throw InputError(
         "normals: the cloud has no points: check that the cameras see the canvas and that the "

@@ -1,7 +1,6 @@
 // A set of the cubes of a grid that points lie in.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <vector>
 

@@ -22,15 +22,11 @@ using Eigen::Vector3d;
 double disturbed(double depth, const DepthNoise& noise, std::uint64_t seed, std::uint64_t pixel) {
   if (noise.sigma_at_1m > 0.0)
     depth += noise.sigma_at_1m * depth * depth * counted_normal(seed, pixel);
-  if (noise.quantum_at_1m > 0.0)
-    depth = 1.0 / (std::round(1.0 / depth / noise.quantum_at_1m) * noise.quantum_at_1m);
   return depth > 0.0 && std::isfinite(depth) ? depth : std::numeric_limits<double>::quiet_NaN();
 }
 
 void validate(const DepthNoise& noise) {
-  using Limits = DepthNoise::Limits;
-  require_in_range("noise", Limits::sigma_at_1m, noise.sigma_at_1m);
-  require_in_range("noise", Limits::quantum_at_1m, noise.quantum_at_1m);
+  require_in_range("noise", DepthNoise::Limits::sigma_at_1m, noise.sigma_at_1m);
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -61,20 +60,18 @@ struct DepthImage {
 
 // Noise of a stereo or structured-light camera. Such a camera measures disparity, 1/depth. A
 // constant error of disparity gives an error of depth that grows as depth².
-//   depth ← depth + sigma_at_1m · depth² · N(0, 1),   independent for each pixel;
-//   then 1/depth is rounded to whole multiples of quantum_at_1m.
-// Depths in metres. The default, all zero, is a perfect camera.
+//   depth ← depth + sigma_at_1m · depth² · N(0, 1),   independent for each pixel.
+// Depths in metres. The default, zero, is a perfect camera; a stereo camera's steps are those of
+// stereo_faults.h.
 struct DepthNoise {
-  double sigma_at_1m = 0.0;    // [m]
-  double quantum_at_1m = 0.0;  // step of the depth at 1 m [m]; 0: none
+  double sigma_at_1m = 0.0;  // [m]
 
   struct Limits {
     static constexpr Limit sigma_at_1m = {"sigma_at_1m", "m", {0.0, 0.1}};
-    static constexpr Limit quantum_at_1m = {"quantum_at_1m", "m", {0.0, 0.1}};
   };
 };
 
-// 1 mm at 1 m, not quantised.
+// 1 mm at 1 m.
 DepthNoise realistic_depth_noise();
 
 // Distance from the origin along the unit direction to the nearest object, canvas or arm [m];

@@ -1,7 +1,6 @@
 #include "impedraw/perception/growing_surface.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace impedraw {

@@ -18,12 +18,6 @@ class CloudPatches;
 class DetailLevels;
 struct RecentSurface;
 
-enum class NormalMode {
-  fresh,  // as in the paper: new neighbours, covariance and eigenvector for each query
-  // fitted once for each point of the cloud, then interpolated at the query: same result, cheaper
-  interpolated,
-};
-
 enum class NeighbourWeighting {
   // as in the paper: 1/k each. A point that enters or leaves the set makes the normal jump
   uniform,
@@ -47,22 +41,16 @@ struct NormalSettings {
   int k = 60;
   // search radius around the query [m]; fewer than k neighbours within it: too_few
   double max_radius = 0.06;
-  NormalMode mode = NormalMode::fresh;
   NeighbourWeighting weighting = NeighbourWeighting::smooth;
   SurfaceFit fit = SurfaceFit::quadric;
   // Above this value (LocalSurface::one_sidedness) the query is off the cloud's edge. On a straight
   // edge the value is 0.59; 0.66 permits about a tenth of the patch's radius beyond the edge.
   double max_one_sidedness = 0.66;
 
-  struct Limits {
-    static constexpr Limit k = {"k", "", {8, kMostNeighbours}};
-    static constexpr Limit max_radius = {"max_radius", "m", {0.001, 1.0}};
-    static constexpr Limit max_one_sidedness = {"max_one_sidedness", "", Range::positive_to(1.0)};
-  };
+  static constexpr Range kNeighbours{8, kMostNeighbours};  // allowed as k
 };
 
-// From coarse to fine, to be used where they are better: see detail_levels.h. Not used in
-// NormalMode::interpolated.
+// From coarse to fine, to be used where they are better: see detail_levels.h.
 using FinerClouds = std::vector<PointCloud>;
 
 // Roughness of the surface at a point, as the cloud shows it.
@@ -82,8 +70,9 @@ struct Roughness {
   }
 };
 
-// The surface that a cloud shows. estimate() is const, may run in any number of threads,
-// and allocates nothing.
+// The surface that a cloud shows. estimate() finds neighbours, covariance and eigenvector anew for
+// each query, as the paper does. It is const, may run in any number of threads, and allocates
+// nothing.
 //
 // Normals point to the camera that saw the nearest neighbour. The distance is measured to the
 // fitted surface, not to the nearest point, which can be half a point spacing away along the
@@ -124,7 +113,6 @@ class SurfaceEstimator {
  private:
   friend class PlanSurface;  // the same patches and levels with another edge test
   void fit_every_point();
-  SurfaceEstimate interpolated(const Eigen::Vector3d& p, double max_one_sidedness) const noexcept;
 
   std::unique_ptr<CloudPatches> patches_;
   std::vector<double> reach2_;                  // Patch::reach2() at each point of the cloud

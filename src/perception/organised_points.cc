@@ -16,12 +16,12 @@ constexpr double kOutlier = 4.0;  // standard deviations
 }  // namespace
 
 OrganisedPoints::OrganisedPoints(const OrganisedSettings& settings) : settings_(settings) {
-  using Limits = OrganisedSettings::Limits;
-  require_in_range("organised points", Limits::stride, settings.stride);
-  require_in_range("organised points", Limits::half_window, settings.half_window);
-  require_in_range("organised points", Limits::jump, settings.jump);
-  require_in_range("organised points", Limits::sigma_at_1m, settings.sigma_at_1m);
-  require_in_range("organised points", Limits::least_share, settings.least_share);
+  RangeChecks("organised points")
+      .field("stride", settings.stride, {1, 64}, "px")
+      .field("half_window", settings.half_window, {1, 16}, "px")
+      .field("jump", settings.jump, {1e-3, 1.0}, "m")
+      .field("sigma_at_1m", settings.sigma_at_1m, {1e-6, 0.1}, "m")
+      .field("least_share", settings.least_share, Range::positive_to(1.0), "");
   const int h = settings.half_window;
   Matrix6d sum = Matrix6d::Zero();
   for (int j = -h; j <= h; ++j)

@@ -34,14 +34,6 @@ struct OrganisedSettings {
   double sigma_at_1m = 1e-3;  // noise of the depth at 1 m [m]
   // Pixels that a window must have, of all.
   double least_share = 0.5;
-
-  struct Limits {
-    static constexpr Limit stride = {"stride", "px", {1, 64}};
-    static constexpr Limit half_window = {"half_window", "px", {1, 16}};
-    static constexpr Limit jump = {"jump", "m", {1e-3, 1.0}};
-    static constexpr Limit sigma_at_1m = {"sigma_at_1m", "m", {1e-6, 0.1}};
-    static constexpr Limit least_share = {"least_share", "", Range::positive_to(1.0)};
-  };
 };
 
 // Keeps what it needs from image to image.

@@ -68,7 +68,6 @@ PlanSurface::PlanSurface(std::shared_ptr<const SurfaceEstimator> seen, double ma
 SurfaceEstimate PlanSurface::estimate(const Vector3d& p) const noexcept {
   if (!p.allFinite()) return {.status = SurfaceStatus::too_few};
   const NormalSettings& s = patches_.settings();
-  if (s.mode == NormalMode::interpolated) return seen_->interpolated(p, max_one_sidedness_);
   const Patch patch = patches_.gathered(p, s.k, seen_->reach2_);
   const LocalSurface surface = fit(p, patch);
   const SurfaceStatus status = status_of(surface, max_one_sidedness_);

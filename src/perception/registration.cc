@@ -53,13 +53,13 @@ Sums sums_at(const SurfaceModel& model, std::span<const SeenPoint> samples, cons
 }  // namespace
 
 void validate(const RegistrationSettings& settings) {
-  using Limits = RegistrationSettings::Limits;
-  require_in_range("registration", Limits::iterations, settings.iterations);
-  require_in_range("registration", Limits::reach, settings.reach);
-  require_in_range("registration", Limits::huber, settings.huber);
-  require_in_range("registration", Limits::least_share, settings.least_share);
-  require_in_range("registration", Limits::least_matches, settings.least_matches);
-  require_in_range("registration", Limits::least_matched, settings.least_matched);
+  RangeChecks("registration")
+      .field("iterations", settings.iterations, {1, 1000}, "")
+      .field("reach", settings.reach, {1e-4, 1.0}, "m")
+      .field("huber", settings.huber, {0.1, 100.0}, "")
+      .field("least_share", settings.least_share, Range::positive_to(0.5), "")
+      .field("least_matches", settings.least_matches, {6, 1000000}, "")
+      .field("least_matched", settings.least_matched, Range::positive_to(1.0), "");
 }
 
 OpenDirection open_direction(const Vector6& e, const Vector3d& c, double radius) noexcept {

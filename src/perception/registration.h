@@ -22,7 +22,6 @@
 #include <string>
 
 #include "impedraw/common/pose.h"
-#include "impedraw/common/range.h"
 #include "impedraw/perception/surface_model.h"
 
 namespace impedraw {
@@ -34,15 +33,6 @@ struct RegistrationSettings {
   double least_share = 4e-3;   // of an eigenvalue, below which a direction is open
   int least_matches = 50;      // fewer: not found
   double least_matched = 0.3;  // share of the samples
-
-  struct Limits {
-    static constexpr Limit iterations = {"iterations", "", {1, 1000}};
-    static constexpr Limit reach = {"reach", "m", {1e-4, 1.0}};
-    static constexpr Limit huber = {"huber", "", {0.1, 100.0}};
-    static constexpr Limit least_share = {"least_share", "", Range::positive_to(0.5)};
-    static constexpr Limit least_matches = {"least_matches", "", {6, 1000000}};
-    static constexpr Limit least_matched = {"least_matched", "", Range::positive_to(1.0)};
-  };
 };
 
 // Throws InputError naming the setting.

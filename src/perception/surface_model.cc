@@ -1,7 +1,6 @@
 #include "impedraw/perception/surface_model.h"
 
 #include <bit>
-#include <cmath>
 
 #include "impedraw/common/errors.h"
 

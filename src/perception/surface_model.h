@@ -6,7 +6,6 @@
 // into sight is added; more frames average the noise away.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,7 +13,6 @@
 #include <Eigen/Core>
 
 #include "impedraw/common/pose.h"
-#include "impedraw/perception/cloud.h"
 #include "impedraw/perception/organised_points.h"
 
 namespace impedraw {

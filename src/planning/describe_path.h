@@ -37,8 +37,7 @@ void describe(F& f, PathSettings& s) {
   f.field("smoothing_time", s.smoothing_time, {0.0, 1.0}, "s",
           "Time over which an acceleration builds up.");
   f.constant("corner_angle", s.corner_angle_deg, Range::to_below(1.0, 90.0), "deg");
-  f.field("normal_smoothing", s.normal_smoothing, {0.0, 0.1}, "m",
-          "Length over which the normals along a stroke are averaged.");
+  f.constant("normal_smoothing", s.normal_smoothing, {0.0, 0.1}, "m");
   f.field("normal_acceleration", s.normal_acceleration, kNormalAccelerationRange, "m/s²",
           "Largest acceleration across the surface, which its curvature makes: a rough surface is "
           "drawn on slower.");

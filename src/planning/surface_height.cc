@@ -5,8 +5,6 @@
 
 #include <fmt/core.h>
 
-#include "impedraw/common/errors.h"
-
 namespace impedraw {
 namespace {
 

@@ -15,9 +15,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "impedraw/log/run_data.h"
-#include "impedraw/metrics/ink_match.h"
-
 namespace impedraw {
 
 // Reduces the number of points of lines and curves for display. Private to src/report.

@@ -16,6 +16,7 @@
 #include "impedraw/experiment/page_of_plan.h"
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/files/durable_file.h"
+#include "impedraw/log/run_rows.h"
 #include "impedraw/run/incident.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/results.h"

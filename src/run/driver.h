@@ -38,7 +38,8 @@
 
 #include "impedraw/common/pose.h"
 #include "impedraw/control/arm_terms.h"
-#include "impedraw/perception/canvas_tracker.h"
+#include "impedraw/control/moving_frame.h"
+#include "impedraw/perception/canvas_frame.h"
 #include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {

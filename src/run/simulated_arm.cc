@@ -1,10 +1,7 @@
 #include "impedraw/run/simulated_arm.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
-#include <span>
 #include <utility>
 
 #include <fmt/format.h>

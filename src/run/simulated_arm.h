@@ -2,13 +2,10 @@
 // on the true canvas, the wrench sensor, and the scenario's disturbances (loop_sources.h).
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "impedraw/arm/arm_model.h"

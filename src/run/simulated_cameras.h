@@ -22,7 +22,6 @@
 #include "impedraw/common/exchange.h"
 #include "impedraw/common/seeded_normals.h"
 #include "impedraw/experiment/snapshot.h"
-#include "impedraw/perception/canvas_tracker.h"
 #include "impedraw/simulation/world.h"
 
 namespace impedraw {

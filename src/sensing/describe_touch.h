@@ -2,7 +2,6 @@
 // control/describe_control.h.
 #pragma once
 
-#include "impedraw/common/range.h"
 #include "impedraw/sensing/touch_settings.h"
 
 namespace impedraw {

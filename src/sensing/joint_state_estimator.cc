@@ -15,12 +15,12 @@ constexpr double kForget = 0.02;   // share of the noise that is forgotten after
 }  // namespace
 
 void JointStateEstimatorSettings::validate() const {
-  const char* group = "control.joint_sensing";
-  require_in_range(group, Limits::bandwidth, bandwidth);
-  require_in_range(group, Limits::least_bandwidth, least_bandwidth);
+  RangeChecks("control.joint_sensing")
+      .field("bandwidth", bandwidth, kBandwidth, "rad/s")
+      .field("least_bandwidth", least_bandwidth, kBandwidth, "rad/s")
+      .field("sensor_delay", sensor_delay, kDelay, "s")
+      .field("torque_delay", torque_delay, kDelay, "s");
   require_in_range("joint state estimator: dt", dt, {1e-3, 1.0 / bandwidth, false, true}, "s");
-  require_in_range(group, Limits::sensor_delay, sensor_delay);
-  require_in_range(group, Limits::torque_delay, torque_delay);
 }
 
 JointStateEstimator::JointStateEstimator(const JointStateEstimatorSettings& settings, int joints)

@@ -40,12 +40,7 @@ struct JointStateEstimatorSettings {
   // all [rad/s].
   double least_bandwidth = 150.0;
 
-  struct Limits {
-    static constexpr Limit bandwidth = {"bandwidth", "rad/s", {1.0, 900.0}};
-    static constexpr Limit least_bandwidth = {"least_bandwidth", "rad/s", {1.0, 900.0}};
-    static constexpr Limit sensor_delay = {"sensor_delay", "s", {0.0, 0.03}};
-    static constexpr Limit torque_delay = {"torque_delay", "s", {0.0, 0.03}};
-  };
+  static constexpr Range kBandwidth{1.0, 900.0}, kDelay{0.0, 0.03};  // [rad/s], [s]
 
   void validate() const;  // throws InputError naming the setting and what is valid
 };

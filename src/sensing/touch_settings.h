@@ -1,8 +1,6 @@
 // Settings of the surface learned from touch: touch_surface.h.
 #pragma once
 
-#include "impedraw/common/pose.h"
-
 namespace impedraw {
 
 struct TouchSettings {

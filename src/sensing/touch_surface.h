@@ -28,6 +28,7 @@
 //           constraint", IEEE Trans. Robotics and Automation 9(2), 1993.
 #pragma once
 
+#include "impedraw/common/pose.h"
 #include "impedraw/control/surface_estimate.h"
 #include "impedraw/sensing/touch_settings.h"
 

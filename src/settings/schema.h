@@ -52,7 +52,6 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -234,6 +233,8 @@ class Fields {
     std::string text;
     if constexpr (std::is_same_v<T, bool>) {
       text = value ? "true" : "false";
+    } else if constexpr (std::is_same_v<T, std::string_view>) {
+      text = value;
     } else if constexpr (requires { value.size(); }) {
       Words numbers;
       for (const double x : value) numbers.push_back(number_text(x));

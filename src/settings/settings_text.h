@@ -1,7 +1,6 @@
 // Converts settings to and from text, and words the errors about them.
 #pragma once
 
-#include <charconv>
 #include <cstdint>
 #include <limits>
 #include <optional>

@@ -1,6 +1,5 @@
 #include "impedraw/simulation/canvas_motion.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>

@@ -161,8 +161,7 @@ void describe(F& f, WorldSettings& s) {
   f.field("gravity", s.gravity, {0.0, 100.0}, "m/s²", "Gravity along -z.");
   f.field("joint_spring", s.joint_spring, "Springs between the joints' rotors and links.");
   f.field("joint_sensor", s.joint_sensor, "Faults of the joints' sensors.");
-  f.field("substeps", s.substeps, {1, 100}, "",
-          "Integration steps in each control step; the torque is held.");
+  f.constant("substeps", s.substeps, {1, 100}, "");
 }
 
 }  // namespace impedraw

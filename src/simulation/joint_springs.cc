@@ -1,6 +1,5 @@
 #include "impedraw/simulation/joint_springs.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>

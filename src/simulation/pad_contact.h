@@ -29,7 +29,6 @@
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/pose.h"
-#include "impedraw/control/arm_terms.h"
 #include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {

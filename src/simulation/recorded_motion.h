@@ -8,7 +8,6 @@
 //   X(t) = X_WB(t) X_WB(0)⁻¹
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "impedraw/simulation/tip_contact.h"
-
 namespace impedraw {
 
 class TipLine {

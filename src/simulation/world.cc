@@ -13,6 +13,7 @@
 #include "impedraw/simulation/compiled_arm.h"
 #include "impedraw/simulation/flange_balance.h"
 #include "impedraw/simulation/link_contact.h"
+#include "impedraw/simulation/tip_contact.h"
 
 namespace impedraw {
 

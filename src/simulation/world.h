@@ -32,7 +32,6 @@
 #include "impedraw/simulation/joint_drive.h"
 #include "impedraw/simulation/joint_springs.h"
 #include "impedraw/simulation/posed_body.h"
-#include "impedraw/simulation/tip_contact.h"
 #include "impedraw/simulation/tip_line.h"
 #include "impedraw/simulation/tip_touches.h"
 #include "impedraw/simulation/tool_contact.h"

@@ -190,6 +190,8 @@ TEST_F(CommandLine, SettingsThatDoNotGoTogether) {
           {"--set control.mass_normal=0.05: inertia along the normal", "limit"});
   refused({"draw", "--set", "control.contact.leave_distance=0.0005"},
           {"control.contact.leave_distance=0.0005: ", "is a constant: 0.0025 m"});
+  refused({"draw", "--set", "perception.normals.mode=interpolated"},
+          {"perception.normals.mode=interpolated: ", "is a constant: fresh"});
   refused({"draw", "--set", "arm.q_0=[0, 0]"}, {"arm.q_0 has 2 entries, but the arm"});
   refused({"draw", "--set", "perception.region_lower=[0.95, -0.3, 0]"}, {"region"});
   refused({"draw", "--set", "perception.region_lower=[0.6, -0.3, 0]"}, {"as the cameras see it"});

@@ -1,4 +1,4 @@
-#include "impedraw/drawing/simplify.h"
+#include "impedraw/drawing/joined.h"
 
 #include <gtest/gtest.h>
 

@@ -49,14 +49,10 @@ class MadeArtwork : public testing::Test {
   DrawingSettings settings_;
 };
 
-TEST_F(MadeArtwork, DashesAreAppliedOrTold) {
+TEST_F(MadeArtwork, DashesAreApplied) {
   EXPECT_EQ(made().strokes.size(), 2u + 6);
   EXPECT_NEAR(length(), 320 + 160 + 60, 1e-2);
   EXPECT_TRUE(made().warnings.empty());
-  settings_.dashes = false;
-  EXPECT_EQ(made().strokes.size(), 3u);
-  EXPECT_NEAR(length(), 320 + 160 + 90, 1e-2);
-  EXPECT_EQ(made().warnings, std::vector<std::string>{"1 dashed lines are drawn solid"});
 }
 
 TEST_F(MadeArtwork, HatchIsSpacedOnTheCanvas) {
@@ -117,20 +113,6 @@ TEST_F(MadeArtwork, TextIsAnArtworkToo) {
   EXPECT_LE(pen_up_length(made().strokes), pen_up_length(make_text(settings_.text).strokes));
   settings_.text.text = "\xe4\xb8\xad";
   EXPECT_THAT(error(), HasSubstr("U+4E2D"));
-}
-
-TEST_F(MadeArtwork, SimplifiedWithinTheTolerance) {
-  std::ofstream csv(file_.string() + ".csv");
-  csv << "x,y\n";
-  for (int i = 0; i <= 1000; ++i) csv << i * 0.1 << "," << 0.05 * std::sin(i) << "\n";
-  csv.close();
-  settings_.svg = file_.string() + ".csv";
-  EXPECT_EQ(made().strokes.at(0).points.size(), 1001u);
-  settings_.simplify_mm = 0.11;
-  EXPECT_EQ(made().strokes.at(0).points.size(), 2u);
-  settings_.unit = PageUnit::cm;
-  EXPECT_GT(made().strokes.at(0).points.size(), 100u);
-  std::filesystem::remove(settings_.svg);
 }
 
 TEST_F(MadeArtwork, WhatDoesNotGoTogether) {

@@ -15,7 +15,6 @@
 #include "impedraw/control/contact_mode.h"
 #include "impedraw/control/impedance_settings.h"
 #include "impedraw/control/momentum_observer.h"
-#include "impedraw/drawing/simplify.h"
 #include "impedraw/experiment/scenario.h"
 #include "impedraw/sensing/touch_surface.h"
 #include "impedraw/settings/settings_doc.h"
@@ -154,7 +153,6 @@ void check_drawing(const DrawingSettings& s) {
   text.text = "A";
   make_text(text);
   hatch_lines(artwork.areas[0], s.hatch, 1.0);
-  simplified(artwork.strokes[0], s.simplify_mm);
   validate(s.wrap);
 }
 
@@ -293,14 +291,13 @@ TEST(Limits, LibraryRefusesWhatTheSchemaRefuses) {
   };
   for (const auto& [name, refusal, value] :
        {std::tuple{"path.safe_height", path([](auto& s) { s.safe_height = 0; }), "0"},
-        std::tuple{"preflight.clearance", preflight([](auto& s) { s.clearance = 0.02; }), "0.02"},
+        std::tuple{"preflight.roughest", preflight([](auto& s) { s.roughest = 0.02; }), "0.02"},
         std::tuple{"control.stiffness_normal",
                    control([](auto& s) { s.stiffness.linear.normal = -1; }), "-1"},
         std::tuple{"control.approach_speed", control([](auto& s) { s.approach.speed = 0; }), "0"},
         std::tuple{"control.observer.bandwidth",
                    control([](auto& s) { s.observer.bandwidth = 1000; }), "1000"},
-        std::tuple{"control.force_integral.rate",
-                   control([](auto& s) { s.force_integral.rate = 0; }), "0"},
+        std::tuple{"control.damping_ratio", control([](auto& s) { s.damping_ratio = 0; }), "0"},
         std::tuple{"world.gravity", world([](auto& s) { s.gravity = -1; }), "-1"},
         std::tuple{"world.tip.friction", world([](auto& s) { s.tip.friction = 4; }), "4"},
         std::tuple{"world.errors.mass_scale", world([](auto& s) { s.errors.mass_scale = 0; }), "0"},

@@ -196,23 +196,6 @@ TEST(RenderDepth, APartIsAsInTheWholeImage) {
     }
 }
 
-TEST(RenderDepth, QuantisesDisparity) {
-  DepthCamera camera;
-  camera.X_WC = look_at({0.3, 0, 1}, {0, 0, 0});
-  const double q = 0.002;
-  const auto exact = render_depth(camera, plane(Vector3d::UnitZ(), 0)).depth;
-  const auto coarse =
-      render_depth(camera, plane(Vector3d::UnitZ(), 0), {.sigma_at_1m = 0, .quantum_at_1m = q})
-          .depth;
-  double largest = 0;
-  for (std::size_t i = 0; i < exact.size(); ++i) {
-    const double steps = 1 / coarse[i] / q;
-    EXPECT_NEAR(steps, std::round(steps), 1e-9);
-    largest = std::max(largest, std::abs(coarse[i] - exact[i]) / (exact[i] * exact[i]));
-  }
-  EXPECT_NEAR(largest, q / 2, 0.02 * q);
-}
-
 TEST(RenderDepth, RefusesBadSettingsByName) {
   const auto expect_refused = [](const std::function<void()>& f, const std::string& what) {
     try {
@@ -234,8 +217,7 @@ TEST(RenderDepth, RefusesBadSettingsByName) {
       },
       "X_WC");
   expect_refused([&] { render({}, {.sigma_at_1m = -1}); }, "noise.sigma_at_1m is -1 m");
-  expect_refused([&] { render({}, {.quantum_at_1m = std::nan("")}); },
-                 "noise.quantum_at_1m is nan m");
+  expect_refused([&] { render({}, {.sigma_at_1m = std::nan("")}); }, "noise.sigma_at_1m is nan m");
   expect_refused([] { look_at({1, 1, 1}, {1, 1, 1}); }, "eye (1, 1, 1)");
 }
 

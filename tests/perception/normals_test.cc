@@ -47,11 +47,9 @@ const auto kFlat = [](double, double) { return 0.0; };
 
 std::vector<NormalSettings> every_way() {
   std::vector<NormalSettings> all;
-  for (const auto mode : {NormalMode::fresh, NormalMode::interpolated}) {
-    for (const auto weighting : {NeighbourWeighting::uniform, NeighbourWeighting::smooth}) {
-      for (const auto fit : {SurfaceFit::plane, SurfaceFit::quadric})
-        all.push_back({.mode = mode, .weighting = weighting, .fit = fit});
-    }
+  for (const auto weighting : {NeighbourWeighting::uniform, NeighbourWeighting::smooth}) {
+    for (const auto fit : {SurfaceFit::plane, SurfaceFit::quadric})
+      all.push_back({.weighting = weighting, .fit = fit});
   }
   return all;
 }
@@ -97,27 +95,24 @@ TEST(Normals, CylinderAndSaddleMatchTheirClosedForms) {
   const PointCloud groove = sheet(0.06, 0.003, [&](double x, double y) {
     return R - std::sqrt(R * R - std::pow(-s * x + c * y, 2));
   });
-  for (const auto mode : {NormalMode::fresh, NormalMode::interpolated}) {
-    const SurfaceEstimator estimator(groove, {.k = 40, .mode = mode});
-    for (double t = -0.03; t <= 0.03; t += 0.0011) {
-      const Vector3d across(-s, c, 0), along(c, s, 0);
-      const Vector3d n =
-          Vector3d(0, 0, R) - across * t - Vector3d(0, 0, R - std::sqrt(R * R - t * t));
-      const Vector3d on =
-          across * t + Vector3d(0, 0, R - std::sqrt(R * R - t * t)) + along * 0.2 * t;
-      const SurfaceEstimate e = estimator.estimate(on + 0.001 * n.normalized());
-      ASSERT_EQ(e.status, SurfaceStatus::ok);
-      EXPECT_LT(angle_deg(e.n_W, n), 0.1);
-      EXPECT_NEAR(e.distance, 0.001, 1e-5);
-    }
+  const SurfaceEstimator estimator(groove, {.k = 40});
+  for (double t = -0.03; t <= 0.03; t += 0.0011) {
+    const Vector3d across(-s, c, 0), along(c, s, 0);
+    const Vector3d n =
+        Vector3d(0, 0, R) - across * t - Vector3d(0, 0, R - std::sqrt(R * R - t * t));
+    const Vector3d on = across * t + Vector3d(0, 0, R - std::sqrt(R * R - t * t)) + along * 0.2 * t;
+    const SurfaceEstimate e = estimator.estimate(on + 0.001 * n.normalized());
+    ASSERT_EQ(e.status, SurfaceStatus::ok);
+    EXPECT_LT(angle_deg(e.n_W, n), 0.1);
+    EXPECT_NEAR(e.distance, 0.001, 1e-5);
   }
   const auto saddle = [](double x, double y) { return 5 * (x * x - y * y); };
-  const SurfaceEstimator estimator(sheet(0.06, 0.003, saddle), {.k = 40});
+  const SurfaceEstimator on_saddle(sheet(0.06, 0.003, saddle), {.k = 40});
   for (double x = -0.03; x <= 0.03; x += 0.007) {
     for (double y = -0.03; y <= 0.03; y += 0.007) {
       const Vector3d n = Vector3d(-10 * x, 10 * y, 1).normalized();
       for (const double h : {0.0, 0.001, 0.01}) {
-        const SurfaceEstimate e = estimator.estimate(Vector3d(x, y, saddle(x, y)) + h * n);
+        const SurfaceEstimate e = on_saddle.estimate(Vector3d(x, y, saddle(x, y)) + h * n);
         ASSERT_EQ(e.status, SurfaceStatus::ok);
         EXPECT_LT(angle_deg(e.n_W, n), 0.15);
         EXPECT_NEAR(e.distance, h, 2e-5);
@@ -175,7 +170,6 @@ TEST(Normals, DoNotJumpAsTheTipSlides) {
     return largest;
   };
   EXPECT_LT(largest_step_deg({}), 0.0015);
-  EXPECT_LT(largest_step_deg({.mode = NormalMode::interpolated}), 0.0015);
   EXPECT_LT(largest_step_deg({.fit = SurfaceFit::plane}), 0.003);
   EXPECT_GT(largest_step_deg({.weighting = NeighbourWeighting::uniform, .fit = SurfaceFit::plane}),
             0.01);  // the paper's jumps
@@ -452,9 +446,7 @@ TEST(Normals, OffTheEdgeIsAStatus) {
   }
   for (const auto& settings : every_way()) {
     const SurfaceEstimator estimator(cloud, settings);
-    const double patch =
-        std::sqrt((settings.mode == NormalMode::fresh ? settings.k : 10) / std::numbers::pi) *
-        spacing;
+    const double patch = std::sqrt(settings.k / std::numbers::pi) * spacing;
     for (double y = -0.03; y <= 0.03; y += 0.0017) {
       double last_ok = -1;
       for (double x = 0; x < 0.055; x += 0.0002) {

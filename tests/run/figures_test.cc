@@ -13,9 +13,6 @@ TEST(Figures, MWithTheTrueWrench) { draw_within_bounds("bowl-m"); }
 TEST(Figures, SineWithoutAWrench) { draw_within_bounds("bowl-sine-natural"); }
 TEST(Figures, MWithoutAWrench) { draw_within_bounds("bowl-m-natural"); }
 
-// Normals computed once and interpolated give the same drawing.
-TEST(Figures, SineWithInterpolatedNormals) { draw_within_bounds("bowl-sine-interpolated"); }
-
 // The paper's own estimate, a plane through k neighbours of equal weight, is worse but within the
 // promised limits.
 TEST(Figures, SineWithThePapersNormals) {

@@ -149,10 +149,9 @@ TEST(BlockedPlaces, LeavesRoomAroundWhatTheArmCannotFollow) {
   EXPECT_EQ(blocked.parts().size(), BlockedPlaces::kMost);
 }
 
-// The ladder of joint_speed_shares.h names the defaults of two settings.
-TEST(JointSpeedShares, AreTheDefaultsOfTheSettings) {
+// The ladder of joint_speed_shares.h names the default of a path's share.
+TEST(JointSpeedShares, HasThePathsDefault) {
   EXPECT_EQ(PathSettings().joint_speed_share, JointSpeedShares::kPlanned);
-  EXPECT_EQ(ControlSettings().joint_speed_share, JointSpeedShares::kLaw);
 }
 
 }  // namespace

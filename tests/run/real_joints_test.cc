@@ -83,19 +83,6 @@ TEST(SlowTorque, SineAt200MillimetresPerSecond) {
   EXPECT_LE(torque_rate(f), 900.0 * (1.0 + 1e-9));
 }
 
-TEST(World, SubstepsChangeLittle) {
-  double rms[3];
-  int k = 0;
-  for (const char* substeps : {"1", "4", "16"}) {
-    const Figures f = draw_scenario("bowl-sine", {std::string("world.substeps=") + substeps});
-    EXPECT_EQ(f["contact_fraction"], 1.0);
-    EXPECT_LT(f["force_sd"], 0.02);
-    rms[k++] = f["ink_error_rms"];
-  }
-  EXPECT_NEAR(rms[1], rms[0], 5e-3);
-  EXPECT_NEAR(rms[2], rms[0], 5e-3);
-}
-
 // Joint speeds stay within the arm's limits; the metric is of the log's own rows.
 TEST(World, JointSpeedsAreReportedAsAShareOfTheirLimits) {
   const Figures f = draw_scenario("bowl-sine");

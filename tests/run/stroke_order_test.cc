@@ -5,8 +5,8 @@
 
 #include "drawn_scenario.h"
 #include "impedraw/drawing/artwork_file.h"
+#include "impedraw/drawing/joined.h"
 #include "impedraw/drawing/order.h"
-#include "impedraw/drawing/simplify.h"
 
 namespace impedraw {
 namespace {

@@ -14,8 +14,6 @@
 
 #include <Eigen/Core>
 
-#include "impedraw/planning/cover/cover_lines.h"
-
 namespace impedraw {
 
 using PlaneLines = std::vector<std::vector<Eigen::Vector2d>>;

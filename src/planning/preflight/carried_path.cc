@@ -1,6 +1,5 @@
 #include "impedraw/planning/preflight/carried_path.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/common/errors.h"
 #include "impedraw/common/in_parallel.h"
 #include "impedraw/common/range_check.h"
 #include "impedraw/common/rotations.h"

@@ -7,8 +7,8 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/drawing/dashes.h"
+#include "impedraw/drawing/joined.h"
 #include "impedraw/drawing/order.h"
-#include "impedraw/drawing/simplify.h"
 #include "impedraw/drawing/svg.h"
 
 namespace {

@@ -1,4 +1,4 @@
-// Represents the same lines with fewer points.
+// Strokes whose ends meet become one.
 #pragma once
 
 #include <vector>
@@ -6,11 +6,6 @@
 #include "impedraw/drawing/stroke.h"
 
 namespace impedraw {
-
-// Douglas and Peucker: drops points so that the old and the new line stay within the tolerance of
-// each other. Both ends stay; a closed stroke also keeps the point farthest from its start.
-// InputError: a tolerance that is negative or NaN.
-Stroke simplified(const Stroke& stroke, double tolerance_mm);
 
 // Makes one stroke of those whose ends meet: a map's streets, a CAD file's pieces. The pen need not
 // be lifted between them.
