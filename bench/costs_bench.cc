@@ -24,6 +24,7 @@
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/planning/path/tip_planner.h"
 #include "impedraw/planning/wrap/wrap.h"
+#include "log/run_columns.h"
 #include "processor_time.h"
 
 namespace impedraw {
@@ -100,15 +101,17 @@ void BM_mesh(benchmark::State& state) {
 // 20 minutes of drawing: 1.2 million rows matched to 150,000 target points.
 void BM_metrics(benchmark::State& state) {
   constexpr Eigen::Index kRows = 1200000, kPerStroke = 600;
-  RunData run;
-  run.joint_lower = Eigen::Vector2d(-1.0, -2.0);
-  run.joint_upper = Eigen::Vector2d(1.0, 2.0);
-  run.torque_limit = Eigen::Vector2d(10.0, 20.0);
+  RunConstants constants;
+  constants.joint_lower = Eigen::Vector2d(-1.0, -2.0);
+  constants.joint_upper = Eigen::Vector2d(1.0, 2.0);
+  constants.torque_limit = Eigen::Vector2d(10.0, 20.0);
+  RunRows rows;
   {
-    RunRows rows;
     const auto n = static_cast<std::size_t>(kRows);
-    rows.joint_position = rows.joint_torque = rows.torque_before_limits =
+    rows.joint_position = rows.joint_velocity = rows.joint_torque = rows.torque_before_limits =
         RunRows::Joints::Zero(kRows, 2);
+    rows.time_scale.assign(n, 1.0);
+    rows.stroke_along.assign(n, LogRow::kNone);
     rows.contact_force.assign(n, {0.0, 0.0, 5.0});
     rows.contact_normal.assign(n, Vector3d::UnitZ());
     rows.surface_normal.assign(n, Vector3d::UnitZ());
@@ -126,8 +129,8 @@ void BM_metrics(benchmark::State& state) {
                                       1e-3 * (stroke % 100) + 3e-5, 0.0);
       rows.stroke.push_back(stroke);
     }
-    add_rows(rows, &run);
   }
+  RunData run = recorded(rows, constants);
   for (int stroke = 0; stroke < 2000; ++stroke)
     for (int k = 0; k <= 75; ++k) {
       run.target_points.emplace_back(5e-4 * k, 1e-3 * (stroke % 100), 0.0);

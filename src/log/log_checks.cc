@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -57,7 +59,17 @@ void require_strokes(const LogReader& log, const RunConstants& c) {
   }
 }
 
+std::string in_steps(const LogReader& log, const char* name) {
+  return (log.rate() == LogRate::reduced ? "/every_step" : "") + std::string(name);
+}
+
 }  // namespace
+
+void require_along(const LogReader& log, const LogStep& step, std::size_t row) {
+  if (step.stroke >= 0 && !(std::abs(step.stroke_along) <= kLongest))
+    fail_at(log, in_steps(log, "/stroke_along"), row,
+            fmt::format("is {}, must be finite and within ± {:g} m", step.stroke_along, kLongest));
+}
 
 void require_valid(const LogReader& log, const RunConstants& c) {
   require_near(log, "/canvas/vertices", c.canvas_vertices);
@@ -76,62 +88,33 @@ void require_valid(const LogReader& log, const RunConstants& c) {
 
 StepChecks::StepChecks(const LogReader& log)
     : log_(log),
-      at_(log.rate() == LogRate::reduced ? "/every_step" : ""),
       last_time_(-std::numeric_limits<double>::infinity()),
       last_point_(Vector3d::Constant(LogRow::kNone)) {}
 
-void StepChecks::fail(const char* name, std::size_t row, const std::string& what) const {
-  fail_at(log_, at_ + name, row_ + row, what);
-}
-
-void StepChecks::times(std::span<const double> times) {
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    if (!(times[i] > last_time_) || !(std::abs(times[i]) <= kLatest))
-      fail("/time", i,
-           fmt::format("is {:.9g}, must be more than {:.9g} s, the row before it, and at most "
-                       "{:g} s",
-                       times[i], last_time_, kLatest));
-    last_time_ = times[i];
-  }
-}
-
-void StepChecks::strokes(std::span<const int> strokes) const {
-  for (std::size_t i = 0; i < strokes.size(); ++i) {
-    if (strokes[i] < -1 || strokes[i] >= kMostStrokes)
-      fail("/stroke", i, fmt::format("is {}, must be -1 to {}", strokes[i], kMostStrokes - 1));
-  }
-}
-
-void StepChecks::alongs(std::span<const double> alongs, std::span<const int> strokes) const {
-  for (std::size_t i = 0; i < alongs.size(); ++i) {
-    if (strokes[i] >= 0 && !(std::abs(alongs[i]) <= kLongest))
-      fail("/stroke_along", i,
-           fmt::format("is {}, must be finite and within ± {:g} m", alongs[i], kLongest));
-  }
-}
-
-void StepChecks::modes(std::span<const int> modes) const {
-  const int names = static_cast<int>(log_.header().mode_names.size());
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    if (modes[i] < 0 || modes[i] >= names)
-      fail("/mode", i, fmt::format("is {}, must be 0 to {}", modes[i], names - 1));
-  }
-}
-
-void StepChecks::contact_points(std::span<const Vector3d> points) {
-  const char* name = log_.rate() == LogRate::reduced ? "/contact_point" : "/contact/point";
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vector3d& p = points[i];
-    if (p.array().isNaN().any()) {
-      last_point_ = p;
-      continue;
-    }
-    if (!is_near(p)) fail(name, i, far_text(p));
+void StepChecks::next(const LogStep& step) {
+  const auto fail = [&](const char* name, const std::string& what) {
+    fail_at(log_, in_steps(log_, name), row_, what);
+  };
+  if (!(step.time > last_time_) || !(std::abs(step.time) <= kLatest))
+    fail("/time",
+         fmt::format("is {:.9g}, must be more than {:.9g} s, the row before it, and at most {:g} s",
+                     step.time, last_time_, kLatest));
+  last_time_ = step.time;
+  if (step.stroke < -1 || step.stroke >= kMostStrokes)
+    fail("/stroke", fmt::format("is {}, must be -1 to {}", step.stroke, kMostStrokes - 1));
+  const int modes = static_cast<int>(log_.header().mode_names.size());
+  if (step.mode < 0 || step.mode >= modes)
+    fail("/mode", fmt::format("is {}, must be 0 to {}", step.mode, modes - 1));
+  const Vector3d& p = step.contact_point;
+  if (!p.array().isNaN().any()) {
+    const char* name = log_.rate() == LogRate::reduced ? "/contact_point" : "/contact/point";
+    if (!is_near(p)) fail(name, far_text(p));
     if (!last_point_.array().isNaN().any()) length_ += (p - last_point_).norm();
-    last_point_ = p;
     if (length_ > kLongest)
-      fail(name, i, fmt::format("is beyond {:g} km of ink, which no run has", 1e-3 * kLongest));
+      fail(name, fmt::format("is beyond {:g} km of ink, which no run has", 1e-3 * kLongest));
   }
+  last_point_ = p;
+  ++row_;
 }
 
 }  // namespace impedraw

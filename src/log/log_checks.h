@@ -2,8 +2,7 @@
 // up. Private to src/log.
 #pragma once
 
-#include <span>
-#include <string>
+#include <cstddef>
 
 #include <Eigen/Core>
 
@@ -16,25 +15,21 @@ namespace impedraw {
 // triangles name vertices that exist, and the target's strokes are numbered in order.
 void require_valid(const LogReader& log, const RunConstants& constants);
 
-// Checks the steps of a log block by block. Each call takes the next rows of its dataset.
+// Throws InputError unless the place on a stroke is finite. row: of the step.
+void require_along(const LogReader& log, const LogStep& step, std::size_t row);
+
+// Checks the steps of a log, one after the other.
 class StepChecks {
  public:
   explicit StepChecks(const LogReader& log);
 
-  void times(std::span<const double> times);  // finite and increasing
-  // Length along the stroke: finite where there is a stroke.
-  void alongs(std::span<const double> alongs, std::span<const int> strokes) const;
-  void strokes(std::span<const int> strokes) const;
-  void modes(std::span<const int> modes) const;  // index of a contact state that has a name
-  // NaN, or near the arm; a line through all of them is no longer than any ink.
-  void contact_points(std::span<const Eigen::Vector3d> points);
-  void next(std::size_t rows) { row_ += rows; }  // after each block
+  // Throws InputError naming dataset and row unless times are finite and increase, the stroke has a
+  // possible number, the mode is the index of a contact state that has a name, and contact points
+  // are NaN or near the arm, a line through all of them no longer than any ink.
+  void next(const LogStep& step);
 
  private:
-  [[noreturn]] void fail(const char* name, std::size_t row, const std::string& what) const;
-
   const LogReader& log_;
-  std::string at_;  // "/every_step" in a reduced log
   std::size_t row_ = 0;
   double last_time_;
   Eigen::Vector3d last_point_;

@@ -19,7 +19,8 @@ auto adder(std::vector<LogColumn>* columns) {
 
 std::vector<LogColumn> log_columns(const RunLogHeader& header) {
   std::vector<LogColumn> columns;
-  visit_row(LogRow(static_cast<int>(header.joint_names.size())), header, adder(&columns));
+  const LogRow row(static_cast<int>(header.joint_names.size()));
+  visit_row(row, header, adder(&columns));
   return columns;
 }
 

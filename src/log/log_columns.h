@@ -3,8 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstring>
 #include <string>
-#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -56,10 +56,27 @@ void put_value(Value& value, Put&& put) {
   }
 }
 
+// The same the other way: sets the value from the numbers at `from`, as they are in the file.
+template <class Value>
+void take_value(Value& value, const std::byte* from) {
+  if constexpr (std::is_same_v<Value, Eigen::Quaterniond> || std::is_same_v<Value, Pose>) {
+    double x[7];
+    std::memcpy(x, from, std::is_same_v<Value, Pose> ? sizeof x : 4 * sizeof *x);
+    if constexpr (std::is_same_v<Value, Pose>)
+      value = {{x[0], x[1], x[2]}, Eigen::Quaterniond(x[3], x[4], x[5], x[6]).toRotationMatrix()};
+    else
+      value = Eigen::Quaterniond(x[0], x[1], x[2], x[3]);
+  } else {
+    put_value(value, [from](void* to, int count, std::size_t size) {
+      std::memcpy(to, from, static_cast<std::size_t>(count) * size);
+    });
+  }
+}
+
 // Calls column(name, value, unit, frame, description) for each dataset of the rows; a torque term's
-// with the term's name, too.
-template <class Column>
-void visit_row(const LogRow& row, const RunLogHeader& header, Column&& column) {
+// with the term's name, too. Row is LogRow or const LogRow.
+template <class Row, class Column>
+void visit_row(Row& row, const RunLogHeader& header, Column&& column) {
   const char* const canvas = header.moving_canvas ? "canvas" : "world";
   column("/time", row.time, "s", "none", "simulated time at the start of the control step");
   column("/joint/position", row.joint_position, "rad", "joint axes", "joint positions");

@@ -7,9 +7,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -90,38 +90,9 @@ class LogReader {
   std::size_t rows_ = 0, steps_ = 0;
 };
 
-// Rows [begin, begin + n) of a log, one column after the other.
-class RowBlock {
- public:
-  RowBlock(const LogReader& log, std::size_t begin, std::size_t n)
-      : log_(log), begin_(begin), n_(n) {}
-
-  // False once rows existed that could not be read.
-  bool whole() const { return whole_; }
-
-  // A column of numbers, or of vectors of a fixed size.
-  template <class T>
-  void read(const std::string& name, std::vector<T>* out) {
-    out->resize(n_);
-    int width = 1;
-    if constexpr (!std::is_arithmetic_v<T>) width = T::SizeAtCompileTime;
-    take(name, width, std::is_same_v<T, int>, out->data());
-  }
-  // A column with an entry for each joint, n×j.
-  using Joints = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  void read(const std::string& name, Joints* out) {
-    out->resize(static_cast<Eigen::Index>(n_), log_.joints());
-    take(name, log_.joints(), false, out->data());
-  }
-
- private:
-  void take(const std::string& name, int width, bool integer, void* out) {
-    whole_ = whole_ && log_.read(name, width, integer, begin_, n_, out);
-  }
-
-  const LogReader& log_;
-  std::size_t begin_, n_;
-  bool whole_ = true;
-};
+// Hands over the steps of a log, one after the other, and checks them (StepChecks): those of a
+// reduced log as it has them, else as LogSteps measures the rows, with the step's time and the felt
+// force to full precision. Returns false if they exist but cannot be read.
+bool visit_steps(const LogReader& log, const std::function<void(const LogStep&)>& visit);
 
 }  // namespace impedraw

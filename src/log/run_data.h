@@ -10,14 +10,12 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "impedraw/log/log.h"
 #include "impedraw/log/log_step.h"
-#include "impedraw/log/run_rows.h"
 
 namespace impedraw {
 
@@ -59,11 +57,8 @@ struct RunData : RunConstants {
   std::size_t rows() const { return time.size(); }
 };
 
-// Appends rows of a full log to `run`, whose limits must be set.
-void add_rows(const RunRows& rows, RunData* run);
-
-// The same, row by row while the run goes on, for a run that leaves no log: equal to read_run() of
-// its log but for step_time, which is kept to a float's precision.
+// Takes the rows while the run goes on, for a run that leaves no log: equal to read_run() of its
+// log but for step_time, which is kept to a float's precision.
 class RunRecorder {
  public:
   explicit RunRecorder(const RunLogHeader& header);
@@ -76,8 +71,8 @@ class RunRecorder {
   RunData run_;
 };
 
-// Throws InputError as read_rows does. The log of a killed run is read up to the last row that is
-// complete in every dataset.
+// Throws InputError as visit_rows() does (run_rows.h). The log of a killed run is read up to the
+// last row that is complete in every dataset.
 RunData read_run(const std::filesystem::path& path);
 
 }  // namespace impedraw

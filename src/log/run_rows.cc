@@ -1,6 +1,10 @@
 #include "impedraw/log/run_rows.h"
 
+#include <algorithm>
+
+#include "impedraw/log/log_checks.h"
 #include "impedraw/log/log_columns.h"
+#include "impedraw/log/log_file.h"
 #include "impedraw/log/log_reader.h"
 
 namespace impedraw {
@@ -16,130 +20,82 @@ const std::vector<std::string>& ReplayLog::torque_terms() const {
 bool ReplayLog::canvas_moves() const { return log_->header().moving_canvas; }
 bool ReplayLog::cut_short() const { return log_->cut_short(); }
 
-bool ReplayLog::read(std::size_t begin, std::size_t n, ReplayRows* rows) const {
-  RowBlock block(*log_, begin, n);
-  block.read("/time", &rows->time);
-  block.read("/joint/position", &rows->joint_position);
-  block.read("/joint/velocity", &rows->joint_velocity);
-  block.read("/joint/torque", &rows->joint_torque);
-  rows->torque_terms.resize(torque_terms().size());
-  for (std::size_t k = 0; k < torque_terms().size(); ++k)
-    block.read("/torque/" + torque_terms()[k], &rows->torque_terms[k]);
-  block.read("/tip/position", &rows->tip_position);
-  block.read("/tip/orientation", &rows->tip_orientation);
-  block.read("/contact/force", &rows->contact_force);
-  block.read("/surface/normal", &rows->surface_normal);
-  if (canvas_moves()) {
-    block.read(kCanvasPoseColumn, &rows->canvas_pose);
-    block.read(kEstimatedCanvasPoseColumn, &rows->estimated_canvas_pose);
+namespace {
+
+// Reads rows [begin, begin + rows.size()) of a table. A dataset that an older log lacks leaves what
+// is there. `visit`: visit_row() or visit_step().
+bool read_table(const LogReader& log, const std::vector<LogColumn>& columns, std::size_t begin,
+                auto& rows, const auto& visit) {
+  std::vector<std::vector<std::byte>> values(columns.size());
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (!log.has(columns[c].name)) continue;
+    values[c].resize(rows.size() * columns[c].row_bytes());
+    if (!log.read(columns[c], begin, rows.size(), values[c].data())) return false;
   }
-  block.read("/surface/distance", &rows->surface_distance);
-  block.read("/mode", &rows->mode);
-  block.read("/stroke", &rows->stroke);
-  return block.whole();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::size_t c = 0;
+    visit(rows[i], [&](const char*, auto& value, const auto&...) {
+      if (!values[c].empty()) take_value(value, &values[c][i * columns[c].row_bytes()]);
+      ++c;
+    });
+  }
+  return true;
 }
 
-bool read_rows(const LogReader& log, std::size_t begin, std::size_t n, Columns columns,
-               RunRows* rows) {
-  RowBlock block(log, begin, n);
-  block.read("/time", &rows->time);
-  block.read("/joint/position", &rows->joint_position);
-  block.read("/joint/velocity", &rows->joint_velocity);
-  block.read("/joint/torque", &rows->joint_torque);
-  rows->torque_before_limits.resize(0, log.joints());
-  RunRows::Joints term;
-  for (const std::string& name : log.header().torque_terms) {
-    block.read("/torque/" + name, &term);
-    if (rows->torque_before_limits.rows() == 0) {
-      rows->torque_before_limits = term;
-    } else {
-      rows->torque_before_limits += term;
-    }
+// Hands over the rows block by block. Returns false if they exist but cannot be read.
+bool visit_blocks(const LogReader& log, const std::function<void(LogRow&)>& visit) {
+  const std::vector<LogColumn> columns = log_columns(log.header());
+  std::vector<LogRow> rows;
+  for (std::size_t begin = 0; begin < log.rows(); begin += rows.size()) {
+    rows.assign(std::min(LogFile::kChunkRows, log.rows() - begin), LogRow(log.joints()));
+    if (!read_table(log, columns, begin, rows,
+                    [&](LogRow& row, const auto& column) { visit_row(row, log.header(), column); }))
+      return false;
+    for (LogRow& row : rows) visit(row);
   }
-  std::vector<Eigen::Vector4d> wxyz;
-  block.read("/tip/orientation", &wxyz);
-  rows->tip_orientation.clear();
-  for (const Eigen::Vector4d& q : wxyz) rows->tip_orientation.emplace_back(q[0], q[1], q[2], q[3]);
-  block.read("/contact/force", &rows->contact_force);
-  block.read("/contact/point", &rows->contact_point);
-  block.read("/contact/normal", &rows->contact_normal);
-  if (log.has(kCanvasPoseColumn)) {
-    std::vector<Eigen::Matrix<double, 7, 1>> pose;
-    block.read(kCanvasPoseColumn, &pose);
-    for (std::size_t i = 0; i < n; ++i)
-      rows->contact_normal[i] =
-          Eigen::Quaterniond(pose[i][3], pose[i][4], pose[i][5], pose[i][6]).toRotationMatrix() *
-          rows->contact_normal[i];
-  }
-  block.read("/surface/normal", &rows->surface_normal);
-  block.read("/surface/distance", &rows->surface_distance);
-  block.read("/push", &rows->push);
-  block.read("/mode", &rows->mode);
-  block.read("/stroke", &rows->stroke);
-  block.read("/controller/step_time", &rows->step_time);
-  if (log.has("/time_scale")) {
-    block.read("/time_scale", &rows->time_scale);
-  } else {
-    rows->time_scale.assign(n, 1.0);
-  }
-  block.read("/tip/position", &rows->tip_position);
-  block.read("/desired/position", &rows->desired_position);
-  if (log.has("/stroke_along")) {
-    block.read("/stroke_along", &rows->stroke_along);
-  } else {
-    rows->stroke_along.assign(n, LogRow::kNone);
-  }
-  if (columns == Columns::of_results) return block.whole();
-
-  block.read("/disturbance/force", &rows->disturbance_force);
-  return block.whole();
+  return true;
 }
 
-RunRows read_rows(const std::filesystem::path& path) {
-  const LogReader log(path);
-  RunRows rows;
-  if (!read_rows(log, 0, log.rows(), Columns::all, &rows))
-    log.fail("cannot be read: broken before its last rows");
-  return rows;
+}  // namespace
+
+bool ReplayLog::visit(const std::function<void(const LogRow&)>& visit) const {
+  return visit_blocks(*log_, visit);
+}
+
+bool visit_steps(const LogReader& log, const std::function<void(const LogStep&)>& visit) {
+  StepChecks checks(log);
+  const auto checked = [&](const LogStep& step) {
+    checks.next(step);
+    visit(step);
+  };
+  if (log.rate() == LogRate::full) {
+    LogSteps measured(log.header());
+    return visit_blocks(log, [&](LogRow& row) {
+      LogStep step = measured.measure(row);
+      step.step_time = row.step_time;
+      step.felt_force = row.wrench_measured.head<3>().dot(row.surface_normal);
+      checked(step);
+    });
+  }
+  std::vector<LogStep> steps;
+  for (std::size_t begin = 0; begin < log.steps(); begin += steps.size()) {
+    steps.assign(std::min(LogFile::kChunkRows, log.steps() - begin), {});
+    if (!read_table(log, step_columns(), begin, steps,
+                    [](LogStep& step, const auto& column) { visit_step(step, "", column); }))
+      return false;
+    for (const LogStep& step : steps) checked(step);
+  }
+  return true;
 }
 
 void visit_rows(const std::filesystem::path& path,
                 const std::function<void(const LogRow&)>& visit) {
   const LogReader log(path);
-  const int joints = log.joints();
-  LogRow row(joints);
-  const auto take = [&](std::size_t i, const std::string& name, int width, bool integer,
-                        void* out) {
-    if (!log.read(name, width, integer, i, 1, out)) log.fail(name + ": rows cannot be read");
-  };
-  const char* const measured =
-      log.header().joint_sensor ? "/joint/measured_position" : "/joint/position";
-  for (std::size_t i = 0; i < log.rows(); ++i) {
-    double wxyz[4], pose[7];
-    take(i, "/time", 1, false, &row.time);
-    take(i, "/stroke", 1, true, &row.stroke);
-    take(i, "/mode", 1, true, &row.mode);
-    if (log.has("/stroke_along")) take(i, "/stroke_along", 1, false, &row.stroke_along);
-    take(i, measured, joints, false, row.measured_position.data());
-    take(i, "/tip/position", 3, false, row.tip_position.data());
-    take(i, "/tip/orientation", 4, false, wxyz);
-    row.tip_orientation = Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-    take(i, "/contact/force", 3, false, row.contact_force.data());
-    take(i, "/contact/point", 3, false, row.contact_point.data());
-    take(i, "/contact/normal", 3, false, row.contact_normal.data());
-    take(i, "/wrench/measured", 6, false, row.wrench_measured.data());
-    take(i, "/surface/normal", 3, false, row.surface_normal.data());
-    take(i, "/push", 1, false, &row.push);
-    for (const auto& [name, X] :
-         {std::pair(kCanvasPoseColumn, &row.canvas_pose),
-          std::pair(kEstimatedCanvasPoseColumn, &row.estimated_canvas_pose)}) {
-      if (!log.has(name)) continue;
-      take(i, name, 7, false, pose);
-      *X = {{pose[0], pose[1], pose[2]},
-            Eigen::Quaterniond(pose[3], pose[4], pose[5], pose[6]).toRotationMatrix()};
-    }
+  const bool whole = visit_blocks(log, [&](LogRow& row) {
+    if (!log.header().joint_sensor) row.measured_position = row.joint_position;
     visit(row);
-  }
+  });
+  if (!whole) log.fail("cannot be read: broken before its last rows");
 }
 
 }  // namespace impedraw

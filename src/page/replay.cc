@@ -192,10 +192,6 @@ Json step_plots(PackedColumns& columns, const RunData& run, const InkMatch& draw
   return out;
 }
 
-Pose pose_of(const Eigen::Matrix<double, 7, 1>& row) {
-  return {row.head<3>(), Eigen::Quaterniond(row[3], row[4], row[5], row[6]).toRotationMatrix()};
-}
-
 // What is plotted of a moving canvas: how its centre moved and how far it turned, truly and as
 // estimated, and how far the estimate is off at the tip.
 class CanvasPlots {
@@ -258,50 +254,45 @@ void add_rows(PackedColumns& columns, const ReplayLog& log, const RunData& run,
   const double spacing = duration > kLong ? kCoarse : kFine;
   constexpr std::size_t kBlock = 4096;
   std::size_t read = 0;
-  ReplayRows rows;
-  for (; read < n; read += rows.rows()) {
-    if (context.check) context.check();
-    if (!log.read(read, std::min(kBlock, n - read), &rows)) break;
-    for (std::size_t i = 0; i < rows.rows(); ++i) {
-      const std::size_t row = read + i;
-      const auto k = static_cast<Eigen::Index>(i);
-      if (joints.first_row(joint_time.size()) == row) joint_time.push_back(rows.time[i]);
-      if (torques.first_row(term_time.size()) == row) term_time.push_back(rows.time[i]);
-      for (std::size_t a = 0; a < j; ++a) {
-        const auto c = static_cast<Eigen::Index>(a);
-        joints.add(3 * a, row, rows.joint_position(k, c));
-        joints.add(3 * a + 1, row, rows.joint_velocity(k, c));
-        joints.add(3 * a + 2, row, rows.joint_torque(k, c));
-        for (std::size_t t = 0; t < terms.size(); ++t)
-          torques.add(t * j + a, row, rows.torque_terms[t](k, c));
-      }
-      joints.add(3 * j, row, 1e3 * rows.surface_distance[i]);
-      if (canvas_plots)
-        canvas_plots->add(row, pose_of(rows.canvas_pose[i]), pose_of(rows.estimated_canvas_pose[i]),
-                          rows.tip_position[i]);
-      if (!time.empty() && row + 1 < n && rows.time[i] < time.back() + spacing - 1e-9) continue;
-      time.push_back(rows.time[i]);
-      for (std::size_t a = 0; a < j; ++a)
-        q[a].push_back(rows.joint_position(k, static_cast<Eigen::Index>(a)));
-      tip.push_back(rows.tip_position[i]);
-      const Eigen::Vector4d& w = rows.tip_orientation[i];
-      pen_axis.push_back(Eigen::Quaterniond(w[0], w[1], w[2], w[3]).toRotationMatrix().col(2));
-      force.push_back(rows.contact_force[i]);
-      normal.push_back(rows.surface_normal[i]);
-      if (!canvas.empty()) {
-        Eigen::Matrix<double, 7, 1> pose = rows.canvas_pose[i];
-        // q and −q are the same turn: without jumps, so that it can be interpolated and packed.
-        double same = 0.0;
-        for (int a = 3; a < 7; ++a)
-          if (const auto& q_a = canvas[static_cast<std::size_t>(a)]; !q_a.empty())
-            same += q_a.back() * pose[a];
-        if (same < 0.0) pose.tail<4>() *= -1.0;
-        for (std::size_t a = 0; a < 7; ++a) canvas[a].push_back(pose[static_cast<Eigen::Index>(a)]);
-      }
-      mode.push_back(rows.mode[i]);
-      stroke.push_back(rows.stroke[i]);
+  log.visit([&](const LogRow& now) {
+    const std::size_t row = read++;
+    if (row % kBlock == 0 && context.check) context.check();
+    if (joints.first_row(joint_time.size()) == row) joint_time.push_back(now.time);
+    if (torques.first_row(term_time.size()) == row) term_time.push_back(now.time);
+    for (std::size_t a = 0; a < j; ++a) {
+      const auto c = static_cast<Eigen::Index>(a);
+      joints.add(3 * a, row, now.joint_position[c]);
+      joints.add(3 * a + 1, row, now.joint_velocity[c]);
+      joints.add(3 * a + 2, row, now.joint_torque[c]);
+      for (std::size_t t = 0; t < terms.size(); ++t)
+        torques.add(t * j + a, row, now.torque_terms[t][c]);
     }
-  }
+    joints.add(3 * j, row, 1e3 * now.surface_distance);
+    if (canvas_plots)
+      canvas_plots->add(row, now.canvas_pose, now.estimated_canvas_pose, now.tip_position);
+    if (!time.empty() && row + 1 < n && now.time < time.back() + spacing - 1e-9) return;
+    time.push_back(now.time);
+    for (std::size_t a = 0; a < j; ++a)
+      q[a].push_back(now.joint_position[static_cast<Eigen::Index>(a)]);
+    tip.push_back(now.tip_position);
+    pen_axis.push_back(now.tip_orientation.toRotationMatrix().col(2));
+    force.push_back(now.contact_force);
+    normal.push_back(now.surface_normal);
+    if (!canvas.empty()) {
+      const Eigen::Quaterniond turn(now.canvas_pose.R);
+      Eigen::Matrix<double, 7, 1> pose;
+      pose << now.canvas_pose.p, turn.w(), turn.vec();
+      // q and −q are the same turn: without jumps, so that it can be interpolated and packed.
+      double same = 0.0;
+      for (int a = 3; a < 7; ++a)
+        if (const auto& q_a = canvas[static_cast<std::size_t>(a)]; !q_a.empty())
+          same += q_a.back() * pose[a];
+      if (same < 0.0) pose.tail<4>() *= -1.0;
+      for (std::size_t a = 0; a < 7; ++a) canvas[a].push_back(pose[static_cast<Eigen::Index>(a)]);
+    }
+    mode.push_back(now.mode);
+    stroke.push_back(now.stroke);
+  });
   // A log that breaks off: the bins beyond have no time.
   while (joint_time.size() < joints.bins())
     joint_time.push_back(joint_time.empty() ? 0.0 : joint_time.back() + 1e-3);

@@ -17,6 +17,7 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/log/resume_log.h"
 #include "impedraw/log/run_data.h"
+#include "log/run_columns.h"
 #include "made_up_run.h"
 
 namespace impedraw {

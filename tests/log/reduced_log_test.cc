@@ -15,6 +15,7 @@
 #include "impedraw/log/resume_log.h"
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/metrics.h"
+#include "log/run_columns.h"
 #include "made_up_run.h"
 
 namespace impedraw {

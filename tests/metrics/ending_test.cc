@@ -154,9 +154,7 @@ TEST(DrawnLengths, TextHasTheLongestFirst) {
 
 TEST(MetricsSummary, SaysHowMuchWasDrawn) {
   MadeUp made = run_with({});
-  RunData run;
-  static_cast<RunConstants&>(run) = made;
-  add_rows(made, &run);
+  const RunData run = recorded(made, made);
   EXPECT_THAT(metrics_summary(compute_metrics(run)),
               AllOf(HasSubstr("drew 50 mm of 60 mm, 83 %; the rest: edge 8 mm, too steep 2 mm\n"),
                     HasSubstr("finished"), HasSubstr("5 ± 0 N")));
@@ -169,9 +167,7 @@ TEST(MetricsSummary, TellsTheErrorOfAForceThatVaries) {
     made.push[i] = i < 1500 ? 3.0 : 6.0;
     made.contact_force[i].z() = made.push[i] + 0.1;
   }
-  RunData run;
-  static_cast<RunConstants&>(run) = made;
-  add_rows(made, &run);
+  const RunData run = recorded(made, made);
   EXPECT_THAT(metrics_summary(compute_metrics(run)),
               HasSubstr("N on average, 0.1 N RMS from the force asked for"));
 }

@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "impedraw/metrics/metrics.h"
+#include "log/run_columns.h"
 
 namespace impedraw::testing {
 
@@ -29,47 +30,11 @@ inline Eigen::Quaterniond pen(double tilt_deg) {  // z_E down, turned about y
                             Eigen::AngleAxisd(tilt_deg * kDegree, Eigen::Vector3d::UnitY()));
 }
 
-inline RunRows part(const RunRows& all, std::size_t begin, std::size_t end) {
-  RunRows out;
-  const auto cut = [&](auto& to, const auto& from) {
-    to.assign(from.begin() + begin, from.begin() + end);
-  };
-  const auto cut_joints = [&](RunRows::Joints& to, const RunRows::Joints& from) {
-    to = from.rows() > 0 ? RunRows::Joints(from.middleRows(begin, end - begin)) : from;
-  };
-  cut(out.time, all.time);
-  cut_joints(out.joint_position, all.joint_position);
-  cut_joints(out.joint_velocity, all.joint_velocity);
-  cut_joints(out.joint_torque, all.joint_torque);
-  cut_joints(out.torque_before_limits, all.torque_before_limits);
-  cut(out.tip_position, all.tip_position);
-  cut(out.desired_position, all.desired_position);
-  cut(out.tip_orientation, all.tip_orientation);
-  cut(out.contact_force, all.contact_force);
-  cut(out.contact_point, all.contact_point);
-  cut(out.contact_normal, all.contact_normal);
-  cut(out.surface_normal, all.surface_normal);
-  cut(out.surface_distance, all.surface_distance);
-  cut(out.push, all.push);
-  cut(out.step_time, all.step_time);
-  cut(out.time_scale, all.time_scale);
-  cut(out.mode, all.mode);
-  cut(out.stroke, all.stroke);
-  cut(out.stroke_along, all.stroke_along);
-  return out;
-}
-
 // The rows as a log holds them, and what does not change.
 struct MadeUp : RunRows, RunConstants {};
 
 inline Json metrics_of(const MadeUp& made_up) {
-  RunData run;
-  static_cast<RunConstants&>(run) = made_up;
-  const std::size_t half = made_up.rows() / 2;
-  if (made_up.rows() == 0) return metrics_json(compute_metrics(run));
-  add_rows(part(made_up, 0, half), &run);  // in two, as a log is read in chunks
-  add_rows(part(made_up, half, made_up.rows()), &run);
-  return metrics_json(compute_metrics(run));
+  return metrics_json(compute_metrics(recorded(made_up, made_up)));
 }
 
 // n rows without contact, the pen upright and up, nothing asked for.

@@ -8,11 +8,11 @@
 #include <zlib.h>
 #include <nlohmann/json.hpp>
 
-#include "impedraw/log/run_rows.h"
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/report/picture.h"
 #include "impedraw/report/report.h"
 #include "log/made_up_folder.h"
+#include "log/run_columns.h"
 
 namespace impedraw {
 namespace {

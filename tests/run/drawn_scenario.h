@@ -15,6 +15,7 @@
 #include "impedraw/log/run_data.h"
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/run/simulated_arm.h"
+#include "log/run_columns.h"
 #include "run/bounds.h"
 #include "seeds.h"
 

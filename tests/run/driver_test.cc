@@ -19,13 +19,13 @@
 #include "impedraw/common/errors.h"
 #include "impedraw/common/exchange.h"
 #include "impedraw/log/run_data.h"
-#include "impedraw/log/run_rows.h"
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/executor.h"
 #include "impedraw/run/identify_joints.h"
 #include "impedraw/run/log_row.h"
 #include "impedraw/run/simulated_arm.h"
+#include "log/run_columns.h"
 #include "run/prepared.h"
 
 namespace impedraw {

@@ -13,9 +13,9 @@
 
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/prepare.h"
-#include "impedraw/log/run_rows.h"
 #include "impedraw/run/incident.h"
 #include "impedraw/run/simulated_arm.h"
+#include "log/run_columns.h"
 #include "scratch_folder.h"
 
 namespace impedraw {

@@ -11,6 +11,7 @@
 #include "impedraw/log/run_data.h"
 #include "impedraw/run/pen_changes.h"
 #include "impedraw/run/simulated_arm.h"
+#include "log/run_columns.h"
 #include "scratch_folder.h"
 
 namespace impedraw {
