@@ -33,9 +33,6 @@ GreyImage read_grey_png(const std::filesystem::path& file);
 // A PNG of any kind, as 8-bit RGB.
 ColourImage read_colour_png(const std::filesystem::path& file);
 
-// Throws std::runtime_error if the file cannot be written.
-void write_grey_png(const std::filesystem::path& file, const GreyImage& image);
-
 struct CapturedView {
   std::string name;  // its depth image's
   Lens lens;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "../scratch_folder.h"
+#include "grey_png.h"
 #include "impedraw/capture/capture_cloud.h"
 #include "impedraw/common/errors.h"
 

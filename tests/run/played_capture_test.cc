@@ -17,6 +17,7 @@
 #include <gmock/gmock.h>
 #include <Eigen/Geometry>
 
+#include "capture/grey_png.h"
 #include "drawn_scenario.h"
 #include "impedraw/capture/capture.h"
 #include "impedraw/common/errors.h"
