@@ -2,7 +2,6 @@
 // gravity is sent last.
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <random>
 #include <string>
@@ -322,104 +321,6 @@ TEST(Lies, ReadingsThatStandStillAreNamedBeforeThePenHitsTheCanvas) {
 
 // Two joints of 2 kg m². A motion at 0.1 rad/s, begun from rest, that ends within a reading takes
 // 200 Nm.
-TEST(Lies, OnlyAStopThatNothingExplainsIsOne) {
-  const JointVector speed = JointVector::Ones(2), limit = JointVector::Constant(2, 300.0);
-  const JointVector none = JointVector::Zero(2);
-  const JointMatrix M = 2.0 * JointMatrix::Identity(2, 2);
-  // Readings from the stop until it is named; −1: not within 0.1 s. slows: how long the stop takes
-  // [s]; grain: what positions are rounded to [rad]; blow: torque that comes with the stop [Nm].
-  const auto named = [&](double v, double slows, double grain, double blow) {
-    MotionCheck check(speed, limit);
-    JointVector q = none;
-    double x = 0.0;
-    for (int i = 0; i < 300; ++i) {
-      const double since = 1e-3 * (i - 200);
-      x += 1e-3 * v *
-           (since < 0.0 ? std::min(1.0, (i + 1) / 100.0)
-                        : std::max(0.0, 1.0 - since / std::max(slows, 1e-9)));
-      q[0] = grain > 0.0 ? grain * std::floor(x / grain) : x;
-      const JointVector external = JointVector::Constant(2, since <= 0.0 ? 0.0 : blow);
-      if (check.update(q, nullptr, none, external, 1e-3, &M)) return i - 200;
-    }
-    return -1;
-  };
-  EXPECT_EQ(named(0.1, 0.0, 0.0, 0.0), 8);
-  EXPECT_EQ(named(0.1, 0.0, 1e-5, 0.0), 8);
-  EXPECT_EQ(named(0.01, 0.0, 0.0, 0.0), 8);      // at 5 mm/s
-  EXPECT_EQ(named(0.1, 0.1, 0.0, 0.0), -1);      // it slows down
-  EXPECT_EQ(named(0.1, 0.0105, 0.0, 0.0), -1);   // quickly, and dry friction keeps it
-  EXPECT_EQ(named(0.1, 0.0, 0.0, 250.0), -1);    // a blow can stop it
-  EXPECT_EQ(named(0.002, 0.0, 0.0, 0.0), -1);    // dry friction can
-  EXPECT_EQ(named(0.008, 0.0, 1e-4, 0.0), -1);   // coarse positions
-  EXPECT_EQ(named(0.0, 0.0, 0.0, 20.0), -1);     // it stood
-  EXPECT_EQ(named(0.0101, 0.0, 1e-5, 0.0), -1);  // rounded, it may have crept
-}
-
-// At 5 mm/s friction can stop each joint, but not three within a millisecond. Unnoticed, the arm
-// flies off at 20 rad/s.
-TEST(Lies, SlowJointsDoNotStopTogether) {
-  const JointVector speed = JointVector::Ones(4), limit = JointVector::Constant(4, 300.0);
-  const JointVector none = JointVector::Zero(4);
-  const JointMatrix M = 0.1 * JointMatrix::Identity(4, 4);
-  // joints: that stop with the first; later: the others, by so many readings; way: of each, a
-  // reading.
-  const auto named = [&](int joints, int later, double way = 4e-6) {
-    MotionCheck check(speed, limit);
-    JointVector q = none;
-    for (int i = 0; i < 300; ++i) {
-      for (int j = 0; j < 4; ++j)
-        if (i < 200 + (j < joints ? 0 : later * j)) q[j] += way * std::min(1.0, (i + 1) / 100.0);
-      if (check.update(q, nullptr, none, none, 1e-3, &M)) return i - 200;
-    }
-    return -1;
-  };
-  EXPECT_EQ(named(4, 0), 7);
-  EXPECT_EQ(named(3, 100), 7);
-  EXPECT_EQ(named(2, 1), -1);
-  // An arm comes to rest so. Seen on a helmet, where a pad's job was ended by it.
-  EXPECT_EQ(named(4, 0, 5e-7), -1);
-}
-
-// A heavy joint of coarse positions that goes on after two readings was no stop; the light one that
-// friction holds beside it is none.
-TEST(Lies, AJointThatGoesOnHasNotStopped) {
-  const JointVector speed = JointVector::Ones(2), limit = JointVector::Constant(2, 300.0);
-  const JointVector none = JointVector::Zero(2);
-  JointMatrix M = 2.0 * JointMatrix::Identity(2, 2);
-  M(1, 1) = 0.01;
-  MotionCheck check(speed, limit);
-  JointVector q = none;
-  for (int i = 0; i < 300; ++i) {
-    const double way = 1e-4 * std::min(1.0, (i + 1) / 100.0);
-    if (i < 200 || i >= 202) q[0] += way;
-    if (i < 200) q[1] += way;
-    ASSERT_FALSE(check.update(q, nullptr, none, none, 1e-3, &M)) << i << " " << check.cause();
-  }
-}
-
-// Friction that stops a slow joint takes the heavy one along that its inertia is coupled to. Seen
-// on a pad's way over the duck: joint 3 came to rest at 0.01 rad/s, and the job was ended.
-TEST(Lies, AJointThatTakesAnotherAlongHasStopped) {
-  const JointVector speed = JointVector::Ones(2), limit = JointVector::Constant(2, 300.0);
-  const JointVector none = JointVector::Zero(2);
-  JointMatrix M(2, 2);
-  M << 4.0, 1.2, 1.2, 0.6;
-  const auto named = [&](double taken_along) {
-    MotionCheck check(speed, limit);
-    JointVector q = none;
-    for (int i = 0; i < 300; ++i) {
-      const double begun = std::min(1.0, (i + 1) / 100.0);
-      q[0] += 1e-3 * (0.05 * begun - (i < 200 ? 0.0 : taken_along));
-      if (i < 200) q[1] -= 1e-3 * 0.01 * begun;
-      if (check.update(q, nullptr, none, none, 1e-3, &M)) return true;
-    }
-    return false;
-  };
-  EXPECT_FALSE(named(1.2 / 4.0 * 0.01));
-  EXPECT_TRUE(named(0.0));
-  EXPECT_TRUE(named(-1.2 / 4.0 * 0.01));
-}
-
 TEST(Lies, ASlowArmWhosePositionsStandStillIsStoppedAtOnce) {
   for (const char* name : {"bowl-sine", "bowl-sine-natural", "bowl-sine-realistic"}) {
     SCOPED_TRACE(name);
@@ -433,43 +334,6 @@ TEST(Lies, ASlowArmWhosePositionsStandStillIsStoppedAtOnce) {
     EXPECT_THAT(outcome.cause, HasSubstr("the arm does not move, although joint"));
     EXPECT_LT(hardest, 8.0);
   }
-}
-
-TEST(Lies, AConstantSpeedThatPositionsContradictIsNamed) {
-  const JointVector one = JointVector::Ones(2), none = JointVector::Zero(2);
-  // Positions go on at `truly`, rounded to 1e-5 rad, beside a speed that is said.
-  const auto cause = [&](double truly, double said) {
-    MotionCheck check(one, one);
-    JointVector q = none, v = none;
-    for (int i = 0; i < 1000; ++i) {
-      q[1] = 1e-5 * std::round(1e2 * truly * i);
-      v[1] = said;
-      if (check.update(q, &v, none, none, 1e-3)) return check.cause();
-    }
-    return std::string();
-  };
-  EXPECT_THAT(cause(0.0, 0.05), HasSubstr("joint 2 turns at 0.050 rad/s, but its position"));
-  EXPECT_THAT(cause(0.05, 0.0), HasSubstr("speed of joint 2 has been 0.000 rad/s"));
-  EXPECT_THAT(cause(0.05, -0.05), HasSubstr("speed of joint 2 has been -0.050 rad/s"));
-  EXPECT_EQ(cause(0.05, 0.05), "");
-  EXPECT_EQ(cause(0.006, 0.0), "");  // a speed that is rounded to 0.01 rad/s
-  EXPECT_EQ(cause(0.0, 0.0), "");
-}
-
-TEST(Lies, AJointThatItsTorqueDoesNotMoveIsNamedWhileOthersMove) {
-  const JointVector one = JointVector::Ones(2), limit = JointVector::Constant(2, 100.0);
-  MotionCheck check(one, limit);
-  JointVector q = JointVector::Zero(2), torque = q;
-  const JointVector none = q;
-  int named = 0;
-  for (int i = 1; i < 1000 && named == 0; ++i) {
-    q = JointVector::Constant(2, 1e-4 * i);
-    q[1] = std::min(q[1], 0.01);       // it has moved
-    torque[1] = i < 500 ? 9.0 : 60.0;  // a tenth of the limit may be stiction
-    if (check.update(q, nullptr, torque, none, 1e-3)) named = i;
-  }
-  EXPECT_NEAR(named, 541, 2);  // 20 ms / (0.6 − 0.1)
-  EXPECT_THAT(check.cause(), HasSubstr("joint 2 does not move by a bit"));
 }
 
 // Unnoticed, a wrench with the wrong sign makes the arm press with 250 N, and a torque with 290 N.
@@ -530,58 +394,6 @@ TEST(Lies, AWrenchThatStandsStillIsNamedAsThePenIsLifted) {
   EXPECT_THAT(outcome.cause, HasSubstr("the wrench stands still"));
   EXPECT_LT(outcome.simulated, e.plan.path.duration() + 5.0);
   EXPECT_EQ(arm.sent.back(), 0.0);
-}
-
-TEST(Lies, ADriverThatChecksTheMotionIsNotCheckedAgain) {
-  const JointVector one = JointVector::Ones(2), none = JointVector::Zero(2);
-  for (const bool checks : {false, true}) {
-    DriverInfo driver{2, 1e-3, WrenchReading::none};
-    driver.checks_motion = checks;
-    ReadingMonitor check(driver, one, one, 0.0);
-    ArmState state(2);
-    for (int i = 1; i <= 100; ++i) {
-      state.time = state.state_time = 1e-3 * i;
-      state.q[0] = i < 50 ? 0.0 : 0.5;
-      check.update(state, none, none);
-    }
-    EXPECT_EQ(check.cause().empty(), checks) << check.cause();
-  }
-}
-
-TEST(Lies, AClockAndStampsOutsideItAreNamed) {
-  const DriverInfo driver{2, 1e-3, WrenchReading::tip};
-  const JointVector one = JointVector::Ones(2), none = JointVector::Zero(2);
-  const auto told = [&](const auto& lie) {
-    ReadingMonitor check(driver, one, one, 0.002);
-    ArmState state(2);
-    for (int i = 1; i <= 100; ++i) {
-      state.time = state.state_time = state.wrench_time = 1e-3 * i;
-      lie(i, &state);
-      if (check.update(state, none, none)) return check.cause();
-    }
-    return check.cause();
-  };
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(told([](int, ArmState*) {}), "");
-  EXPECT_EQ(told([](int, ArmState* s) { s->wrench_time -= 0.5; }), "");
-  EXPECT_EQ(told([](int, ArmState* s) { s->wrench_time += 0.02; }), "");
-  EXPECT_EQ(told([](int, ArmState* s) { s->wrench_time += 0.05; }),
-            "the wrench is stamped 0.050 s ahead of the arm's clock");
-  EXPECT_THAT(told([&](int, ArmState* s) { s->wrench_time = nan; }), HasSubstr("stamped nan s"));
-  EXPECT_THAT(told([](int, ArmState* s) { s->wrench_time = -1e12; }), HasSubstr("behind"));
-  EXPECT_EQ(told([](int, ArmState* s) { s->state_time += 0.05; }),
-            "the joint state is stamped 0.050 s ahead of the arm's clock");
-  EXPECT_EQ(told([](int i, ArmState* s) { s->time = i < 50 ? s->time : 0.01; }),
-            "the arm's clock went back from 0.049 s to 0.010 s");
-  EXPECT_EQ(told([](int i, ArmState* s) {
-              s->time = s->state_time = s->wrench_time = 1e-3 * std::min(i, 50);
-            }),
-            "the arm's clock stands still");
-  EXPECT_THAT(told([&](int, ArmState* s) { s->time = nan; }), HasSubstr("clock went back"));
-  EXPECT_EQ(told([](int i, ArmState* s) {
-              s->time = s->state_time = s->wrench_time = 1e-3 * i + (i < 50 ? 0.0 : 0.3);
-            }),
-            "the arm's clock jumped ahead from 0.049 s to 0.350 s");
 }
 
 }  // namespace

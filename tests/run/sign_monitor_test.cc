@@ -1,0 +1,83 @@
+// A mass of 4 kg on six sliding and turning joints along the axes of W, driven by torques and pushed
+// at the tip: what the monitor says of signs that are wrong, and of those that are right.
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "impedraw/run/monitors/sign_monitor.h"
+
+namespace impedraw {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Plant {
+  double moves = 1.0;  // of the torque that is commanded
+  double acts = 1.0;   // of the wrench that is measured
+  double torque = 0.0, force = 0.0;  // amplitudes, of joint 2 and along z [Nm], [N]
+  double frequency = 15.0;           // [Hz]
+  double lasts = 1.0;                // [s]
+
+  // What the monitor says first.
+  Verdict judged() const {
+    constexpr double kMass = 4.0, kDt = 1e-3;
+    ImpedanceSettings settings;
+    SignMonitor monitor(settings, JointVector::Constant(6, 100.0));
+    OperationalSpace space(settings.operational_space);
+    ArmTerms arm(6);
+    arm.M = kMass * JointMatrix::Identity(6, 6);
+    arm.J.setIdentity(6, 6);
+    arm.Cv.setZero(6);
+    arm.g.setConstant(6, 3.0);
+    arm.q.setZero(6);
+    arm.v.setConstant(6, 1e-3);
+    Verdict said;
+    Vector6 F = Vector6::Zero();
+    for (int i = 0; i * kDt < lasts && !said; ++i) {
+      // It grows, as pushes do that nothing answers.
+      const double t = i * kDt;
+      const double wave = std::min(1.0, 2.0 * t) *
+                          std::sin(2.0 * std::numbers::pi * frequency * t);
+      JointVector tau = arm.g;
+      tau[1] += torque * wave;
+      space.update(arm);
+      said = monitor.update(arm, &space, F, tau);
+      F[2] = force * wave;  // over the step that follows
+      arm.v += kDt / kMass * (moves * (tau - arm.g) + acts * F);
+      arm.v[0] += 1e-6;  // rest teaches nothing
+    }
+    return said;
+  }
+};
+
+TEST(SignMonitor, NamesAJointThatTurnsAgainstItsTorque) {
+  const Verdict said = Plant{.moves = -1.0, .torque = 10.0}.judged();
+  EXPECT_EQ(said.severity, Severity::lose);
+  EXPECT_THAT(said.cause, HasSubstr("joint 2 turns against its torque"));
+  EXPECT_FALSE((Plant{.torque = 10.0}.judged()));
+  EXPECT_FALSE((Plant{.moves = 0.5, .torque = 10.0}.judged())) << "twice the modelled mass";
+  EXPECT_FALSE((Plant{.moves = -1.0, .torque = 2.0}.judged())) << "below 2 Nm, RMS";
+  EXPECT_FALSE((Plant{.moves = -1.0, .torque = 10.0, .frequency = 2.0}.judged()))
+      << "a shove on the elbow looks like that";
+}
+
+TEST(SignMonitor, NamesAWrenchWhoseSignIsWrong) {
+  const Verdict said = Plant{.acts = -1.0, .force = 10.0}.judged();
+  EXPECT_EQ(said.severity, Severity::damp);
+  EXPECT_THAT(said.cause, HasSubstr("against the measured wrench, whose sign is wrong, along the "
+                                    "pen's z"));
+  EXPECT_FALSE((Plant{.force = 10.0}.judged()));
+}
+
+TEST(SignMonitor, NamesAWrenchThatIsMadeUp) {
+  const Verdict said = Plant{.acts = 0.0, .force = 25.0}.judged();
+  EXPECT_EQ(said.severity, Severity::damp);
+  EXPECT_THAT(said.cause, HasSubstr("as if the measured wrench did not act along the pen's z"));
+  EXPECT_FALSE((Plant{.acts = 0.0, .force = 10.0}.judged())) << "below 9 N, RMS: friction may be";
+  EXPECT_FALSE((Plant{.acts = 0.5, .force = 25.0}.judged()));
+}
+
+}  // namespace
+}  // namespace impedraw
