@@ -108,6 +108,25 @@ TEST_F(Blocked, ByAGapInWhichTheTipSinks) {
   EXPECT_EQ(cycles(), -1) << "it is on its way up";
 }
 
+// A surface that falls under a pen that moves along it is followed; what gives way under a pen that
+// only goes down is a gap.
+TEST_F(Blocked, ByAGapAlongWhoseSideTheTipGoesDown) {
+  const auto falls = [this](const Vector3d& v) {
+    monitor_.begin_path();
+    made_.F_ext[2] = 5.0;
+    made_.arm.V_WE.head<3>() = v;
+    made_.surface = {SurfaceStatus::ok, Vector3d::UnitZ(), 0.0};
+    EXPECT_EQ(cycles(), -1);
+    for (int i = 0; i < 60; ++i) {
+      made_.surface.distance += 1e-3 * v.z();
+      if (judge()) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(falls({0.0, 0.0, -0.05}));
+  EXPECT_FALSE(falls({0.05, 0.0, -0.05}));
+}
+
 TEST_F(Blocked, WhereThePenRetreatsAndTheCamerasSawNoSurface) {
   made_.out.mode = ContactMode::retreat;
   EXPECT_EQ(cycles(), -1) << "the cameras saw one: a fault of perception";
@@ -134,8 +153,8 @@ TEST_F(Blocked, APlaceBetweenStrokesIsWhereThePlanComesDown) {
   PathSample up;
   up.stroke = -1;
   EXPECT_FALSE(place_on_path(up, path, first.approach - 0.1, false));
-  for (const auto& [planned, ahead] : {std::pair(first.approach - 0.1, true),
-                                       std::pair(first.approach + 1e-3, false)}) {
+  for (const auto& [planned, ahead] :
+       {std::pair(first.approach - 0.1, true), std::pair(first.approach + 1e-3, false)}) {
     const auto place = place_on_path(up, path, planned, ahead);
     ASSERT_TRUE(place);
     EXPECT_EQ(place->stroke, first.number);

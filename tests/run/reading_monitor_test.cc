@@ -1,5 +1,5 @@
-// What an arm reads that cannot be true together: each rule with the smallest lie that trips it, and
-// with one that does not.
+// Readings of an arm that cannot be true together: each rule with the smallest lie that trips it,
+// and with one that does not.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,8 +17,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-// What 1000 readings of two joints contradict, whose positions [rad] and speeds [rad/s] are those of
-// the time [s]; empty: nothing. Rated speed 1 rad/s.
+// What 1000 readings of two joints contradict; empty: nothing. Position [rad] and speed [rad/s] of
+// the second are functions of the time [s]. Rated: 1 rad/s, 10 Nm.
 std::string cause_of(const auto& position, const auto& speed, double torque = 0.0,
                      double external = 0.0) {
   MotionCheck check(JointVector::Ones(2), JointVector::Constant(2, 10.0));
@@ -53,6 +53,14 @@ TEST(MotionCheck, NamesASpeedThatPositionsDoNotHave) {
   EXPECT_THAT(race(3.1, -1.2), HasSubstr("joint 2 turns at 3.10 rad/s"));
   EXPECT_THAT(race(2.9, 0.0), testing::Not(HasSubstr("which its positions contradict")));
   EXPECT_EQ(race(-3.1, -3.1), "");
+  // What its positions did 4 ms before confirms no speed.
+  EXPECT_THAT(
+      cause_of([](double t) { return 0.1 * t; }, [](double t) { return t < 0.5005 ? 0.1 : 3.1; }),
+      HasSubstr("joint 2 turns at 3.10 rad/s, which its positions"));
+  // Every second reading of the positions is a new one.
+  EXPECT_EQ(cause_of([](double t) { return 6.4e-3 * std::floor(500.0 * t + 1e-6); },
+                     [](double t) { return 3.2 + 1e-6 * std::sin(1e4 * t); }),
+            "");
 }
 
 // Speeds that never stay the same, as noise is on them.
@@ -64,6 +72,13 @@ TEST(MotionCheck, NamesPositionsThatDriftFromWhereTheSpeedLed) {
   EXPECT_THAT(drift(0.02), HasSubstr("the positions of joint 2 contradict its speed"));
   EXPECT_THAT(drift(-0.02), HasSubstr("they are -0.008 rad away"));
   EXPECT_EQ(drift(0.006), "") << "8 mrad/s may go unnoticed";
+  // At 1 rad/s a filter of 30 ms may be late by 30 mrad, too: 38 mrad are allowed within 1 s.
+  const auto faster = [](double by) {
+    return cause_of([by](double t) { return (1.0 + by) * t; },
+                    [](double t) { return 1.0 + 1e-6 * std::sin(1e4 * t); });
+  };
+  EXPECT_EQ(faster(0.055), "");
+  EXPECT_THAT(faster(0.065), HasSubstr("the positions of joint 2 contradict its speed"));
 }
 
 TEST(MotionCheck, NamesATorqueThatMovesNothingAndNothingElseHolds) {
@@ -82,7 +97,7 @@ TEST(MotionCheck, OnlyAStopThatNothingExplainsIsOne) {
   const JointMatrix M = 2.0 * JointMatrix::Identity(2, 2);
   // Readings from the stop until it is named; −1: not within 0.1 s. slows: how long the stop takes
   // [s]; grain: what positions are rounded to [rad]; blow: torque that comes with the stop [Nm].
-  const auto named = [&](double v, double slows, double grain, double blow) {
+  const auto named = [&](double v, double slows, double grain, double blow, double before = 0.0) {
     MotionCheck check(speed, limit);
     JointVector q = none;
     double x = 0.0;
@@ -92,21 +107,23 @@ TEST(MotionCheck, OnlyAStopThatNothingExplainsIsOne) {
            (since < 0.0 ? std::min(1.0, (i + 1) / 100.0)
                         : std::max(0.0, 1.0 - since / std::max(slows, 1e-9)));
       q[0] = grain > 0.0 ? grain * std::floor(x / grain) : x;
-      const JointVector external = JointVector::Constant(2, since <= 0.0 ? 0.0 : blow);
+      const JointVector external = JointVector::Constant(2, since <= 0.0 ? before : blow);
       if (check.update(q, nullptr, none, external, 1e-3, &M)) return i - 200;
     }
     return -1;
   };
   EXPECT_EQ(named(0.1, 0.0, 0.0, 0.0), 8);
   EXPECT_EQ(named(0.1, 0.0, 1e-5, 0.0), 8);
-  EXPECT_EQ(named(0.01, 0.0, 0.0, 0.0), 8);      // at 5 mm/s
-  EXPECT_EQ(named(0.1, 0.1, 0.0, 0.0), -1);      // it slows down
-  EXPECT_EQ(named(0.1, 0.0105, 0.0, 0.0), -1);   // quickly, and dry friction keeps it
-  EXPECT_EQ(named(0.1, 0.0, 0.0, 250.0), -1);    // a blow can stop it
-  EXPECT_EQ(named(0.002, 0.0, 0.0, 0.0), -1);    // dry friction can
-  EXPECT_EQ(named(0.008, 0.0, 1e-4, 0.0), -1);   // coarse positions
-  EXPECT_EQ(named(0.0, 0.0, 0.0, 20.0), -1);     // it stood
-  EXPECT_EQ(named(0.0101, 0.0, 1e-5, 0.0), -1);  // rounded, it may have crept
+  EXPECT_EQ(named(0.01, 0.0, 0.0, 0.0), 8);          // at 5 mm/s
+  EXPECT_EQ(named(0.1, 0.1, 0.0, 0.0), -1);          // it slows down
+  EXPECT_EQ(named(0.1, 0.0105, 0.0, 0.0), -1);       // quickly, and dry friction keeps it
+  EXPECT_EQ(named(0.1, 0.0, 0.0, 250.0), -1);        // a blow can stop it
+  EXPECT_EQ(named(0.1, 0.0, 0.0, 250.0, 250.0), 8);  // but not what pushed before
+  EXPECT_EQ(named(0.002, 0.0, 0.0, 0.0), -1);        // dry friction can
+  EXPECT_EQ(named(0.008, 0.0, 1e-4, 0.0), -1);       // coarse positions
+  EXPECT_EQ(named(0.0, 0.0, 0.0, 20.0), -1);         // it stood
+  EXPECT_EQ(named(0.0101, 0.0, 1e-5, 0.0), -1);      // rounded, it may have crept
+  EXPECT_EQ(named(0.012, 0.0, 1e-5, 0.0), -1);
 }
 
 // At 5 mm/s friction can stop each joint, but not three within a millisecond. Unnoticed, the arm
@@ -220,10 +237,11 @@ TEST(ReadingMonitor, ADriverThatChecksTheMotionIsNotCheckedAgain) {
     ArmState state(2);
     for (int i = 1; i <= 100; ++i) {
       state.time = state.state_time = 1e-3 * i;
-      state.q[0] = i < 50 ? 0.0 : 0.5;
+      state.q[0] = i < 50 ? 0.0 : 0.02;
       check.update(state, none, none);
     }
-    EXPECT_EQ(check.cause().empty(), checks) << check.cause();
+    EXPECT_THAT(check.cause(), HasSubstr(checks ? "" : "jumped by 0.020 rad within 1.000 ms"));
+    EXPECT_EQ(check.cause().empty(), checks);
   }
 }
 
@@ -291,6 +309,7 @@ TEST(ReadingMonitor, NamesAWrenchThatStandsStillWhileTheTipMovesAlongTheNormal) 
   EXPECT_EQ(said.severity, Severity::damp);
   EXPECT_THAT(said.cause, StartsWith("the wrench stands still: the force on the tip is still 5.0"));
   EXPECT_TRUE(says(5.0, -5.2e-3, n));
+  EXPECT_TRUE(says(5.0, 5.2e-3, n, 0.0, 0.021)) << "2 ms are the wrench's own";
   EXPECT_FALSE(says(5.0, 4.9e-3, n));
   EXPECT_FALSE(says(5.0, 0.1, Eigen::Vector3d::UnitX())) << "along the surface";
   EXPECT_FALSE(says(0.9, 5.2e-3, n)) << "nothing acts";
@@ -309,7 +328,8 @@ TEST(ReadingMonitor, TakesThePushForWhatHoldsTheArmWhereNoWrenchIsMeasured) {
     made.arm.J(2, 0) = -1.0;
     made.out.n_WD = Eigen::Vector3d::UnitZ();
     made.out.push = push;
-    made.out.tau[0] = 5.0;
+    made.out.terms(0, kGravity) = 7.0;
+    made.out.tau[0] = 12.0;
     Verdict said;
     for (int i = 0; i < 1000 && !said; ++i) {
       const Cycle cycle = made.next();
