@@ -13,6 +13,16 @@ using Json = nlohmann::ordered_json;
 
 Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
+std::string name_of(ForceController controller) {
+  return std::string(kForceControllerNames[static_cast<int>(controller)]);
+}
+
+// What is there is better than nothing.
+bool better(int metric, const std::optional<double>& a, const std::optional<double>& b) {
+  if (!a || !b) return a.has_value();
+  return greater_is_better(metric) ? *a > *b : std::abs(*a) < std::abs(*b);
+}
+
 Json json_of(const JudgedController& judged) {
   Json runs = Json::array(), mean, worst;
   for (const JudgedRun& run : judged.runs) {
@@ -27,7 +37,7 @@ Json json_of(const JudgedController& judged) {
     mean[std::string(kForceMetricNames[m])] = number(summary.mean);
     worst[std::string(kForceMetricNames[m])] = number(summary.worst);
   }
-  return {{"controller", kForceControllerNames[static_cast<int>(judged.controller)]},
+  return {{"controller", name_of(judged.controller)},
           {"runs", std::move(runs)},
           {"mean", std::move(mean)},
           {"worst", std::move(worst)}};
@@ -37,22 +47,19 @@ Json json_of(const JudgedController& judged) {
 
 ForceSummary JudgedController::summary(int metric) const {
   ForceSummary found;
-  double sum = 0.0, worst = 0.0;
+  double sum = 0.0;
   for (const JudgedRun& run : runs) {
     const std::optional<double>& value = run.metrics.value[metric];
-    if (!value) {
+    sum += value.value_or(0.0);
+    if (!value)
       ++found.lacking;
-      continue;
-    }
-    const bool begun = &run != &runs.front();
-    sum += *value;
-    const bool worse =
-        greater_is_better(metric) ? *value < worst : std::abs(*value) > std::abs(worst);
-    if (!begun || worse) worst = *value;
+    else if (better(metric, found.worst, value) || !found.worst)
+      found.worst = value;
   }
-  if (runs.empty() || found.lacking > 0) return found;
-  found.mean = sum / static_cast<double>(runs.size());
-  found.worst = worst;
+  if (found.lacking > 0)
+    found.worst.reset();
+  else if (!runs.empty())
+    found.mean = sum / static_cast<double>(runs.size());
   return found;
 }
 
@@ -69,11 +76,7 @@ std::vector<ForceBehind> behind(const ForceResults& results) {
       for (const JudgedController& peer : c.controllers) {
         const std::optional<double> other = peer.summary(m).mean;
         if (&peer == &*ours || !other) continue;
-        const auto better = [m](const std::optional<double>& a, const std::optional<double>& b) {
-          if (!a || !b) return a.has_value();
-          return greater_is_better(m) ? *a > *b : std::abs(*a) < std::abs(*b);
-        };
-        if (better(other, own) && (!most || better(other, most->theirs)))
+        if (better(m, other, own) && (!most || better(m, other, most->theirs)))
           most = ForceBehind{c.what.name, m, peer.controller, own, other};
       }
       if (most) found.push_back(*most);
@@ -108,7 +111,7 @@ std::string force_json(const ForceResults& results) {
   for (const ForceBehind& b : behind(results))
     lines.push_back({{"case", b.name},
                      {"metric", kForceMetricNames[b.metric]},
-                     {"peer", kForceControllerNames[static_cast<int>(b.peer)]},
+                     {"peer", name_of(b.peer)},
                      {"ours", number(b.ours)},
                      {"theirs", number(b.theirs)}});
   const Json units = {{"settling_time", "s"},
@@ -251,14 +254,10 @@ std::string number(int metric, const std::optional<double>& value) {
 
 bool best_of(const JudgedCase& c, const JudgedController& judged, int metric) {
   const std::optional<double> own = judged.summary(metric).mean;
-  if (!own || c.controllers.size() < 2) return false;
-  for (const JudgedController& other : c.controllers) {
-    const std::optional<double> theirs = other.summary(metric).mean;
-    if (!theirs) continue;
-    if (greater_is_better(metric) ? *theirs > *own : std::abs(*theirs) < std::abs(*own))
-      return false;
-  }
-  return true;
+  return own && c.controllers.size() > 1 &&
+         std::none_of(c.controllers.begin(), c.controllers.end(), [&](const JudgedController& o) {
+           return better(metric, o.summary(metric).mean, own);
+         });
 }
 
 std::string unit(int metric) {
@@ -312,9 +311,8 @@ std::string behind_list(const ForceResults& results) {
     std::string line;
     for (const ForceBehind& b : list)
       if (b.metric == m)
-        line += fmt::format(
-            "{}{}: {}, {} has {}", line.empty() ? "" : "; ", b.name, shown_metric(m, b.ours),
-            kForceControllerNames[static_cast<int>(b.peer)], shown_metric(m, b.theirs));
+        line += fmt::format("{}{}: {}, {} has {}", line.empty() ? "" : "; ", b.name,
+                            shown_metric(m, b.ours), name_of(b.peer), shown_metric(m, b.theirs));
     if (!line.empty())
       html += fmt::format("<li><b>{}</b> {}</li>", kForceMetricNames[m], escaped(line));
   }
@@ -328,8 +326,7 @@ std::string ended_list(const ForceResults& results) {
       for (const JudgedRun& run : judged.runs)
         if (!run.run.ended.empty())
           html += fmt::format("<li>{}, {}, seed {}: {}</li>", c.what.name,
-                              kForceControllerNames[static_cast<int>(judged.controller)], run.seed,
-                              escaped(run.run.ended));
+                              name_of(judged.controller), run.seed, escaped(run.run.ended));
   return html.empty() ? html : "<h2>Runs that ended early</h2><ul>" + html + "</ul>\n";
 }
 
@@ -401,8 +398,7 @@ std::string force_markdown(const ForceResults& results) {
   for (const JudgedCase& c : results.cases)
     for (const JudgedController& judged : c.controllers) {
       const bool first = &judged == &c.controllers.front();
-      text += fmt::format("| {} | {} |", first ? c.what.name : "",
-                          kForceControllerNames[static_cast<int>(judged.controller)]);
+      text += fmt::format("| {} | {} |", first ? c.what.name : "", name_of(judged.controller));
       for (int m = 0; m < kForceMetrics; ++m) {
         const ForceSummary summary = judged.summary(m);
         const std::string mean = shown_metric(m, summary.mean);
