@@ -27,12 +27,10 @@ METRICS = [
 
 SWITCHES = {
     "bowl-sine": "the standard sine",
-    "bowl-sine-interpolated": "normals computed once and interpolated",
     "bowl-sine-plane": "the paper's normals: a plane through neighbours of equal weight",
     "noise": "1 mm of depth noise at 1 m",
     "noise-wide": "the same, a 6 mm voxel, 120 neighbours",
     "fast": "200 mm/s, 5 m/s²",
-    "slow-tracker": "normal tracker at 10 rad/s instead of 40",
     "bowl-sine-natural": "no wrench, natural inertia",
     "natural-foreseen": "the same, tip friction 0.3 fed forward",
     "natural-dry-friction": "no wrench, 0.1 Nm of dry friction in every joint",
