@@ -27,6 +27,10 @@ constexpr double kBelieved = 1.15;    // in the views' agreement, by which a cor
 constexpr double kFacing = 0.7;       // cosine between two normals of one surface
 constexpr double kQueries = 30000.0;  // in one iteration
 constexpr double kRadians = std::numbers::pi / 180.0;
+constexpr double kMostShift = 0.010, kMostTurn = 2.0;      // of a camera [m], [deg]
+constexpr double kLikelyShift = 0.005, kLikelyTurn = 1.0;  // s [m] and γ [deg]
+constexpr double kFirstReach = 0.06, kLastReach = 0.01;    // of a match [m]
+constexpr double kLeastOverlap = 0.05;                     // share of a view's samples
 
 struct Match {
   std::size_t a, b;    // views
@@ -37,8 +41,8 @@ struct Match {
 // All views, with turns about c; those of ξ are in units of 1/radius.
 class Aligning {
  public:
-  Aligning(std::span<const ViewSamples> views, const ViewAlignmentSettings& settings)
-      : views_(views), settings_(settings), T_(views.size()), points_(views.size()) {
+  explicit Aligning(std::span<const ViewSamples> views)
+      : views_(views), T_(views.size()), points_(views.size()) {
     double n = 0.0;
     for (std::size_t v = 0; v < views.size(); ++v)
       for (const SeenPoint& s : views[v].samples) {
@@ -57,20 +61,20 @@ class Aligning {
 
   ViewAlignment run() {
     ViewAlignment result;
-    result.rms_before = rms(match(settings_.first_reach));
-    const double as_calibrated = typical(match(settings_.last_reach));
+    result.rms_before = rms(match(kFirstReach));
+    const double as_calibrated = typical(match(kLastReach));
     std::vector<Match> matches;
-    double reach = settings_.first_reach;
+    double reach = kFirstReach;
     for (int i = 0; i < kAlignments; ++i) {
-      if (i > 0 && i % kPerReach == 0) reach = std::max(settings_.last_reach, 0.5 * reach);
+      if (i > 0 && i % kPerReach == 0) reach = std::max(kLastReach, 0.5 * reach);
       matches = match(reach);
-      if (step(matches) < kAligned && reach == settings_.last_reach) break;
+      if (step(matches) < kAligned && reach == kLastReach) break;
     }
-    matches = match(settings_.last_reach);
+    matches = match(kLastReach);
     step(matches);
     if (as_calibrated < kBelieved * typical(matches)) {
       T_.assign(views_.size(), Pose());
-      matches = match(settings_.last_reach);
+      matches = match(kLastReach);
     }
     for (std::size_t v = 0; v < views_.size(); ++v)
       if (counts_[v] == 0) T_[v] = Pose();  // far matches had moved it
@@ -155,8 +159,8 @@ class Aligning {
         }
         // A few are chance, or along an edge that two views share.
         const std::size_t looked = samples.size() / stride;
-        const double least = std::max(1.0 * settings_.least_matches,
-                                      settings_.least_matched * static_cast<double>(looked));
+        const double least =
+            std::max(1.0 * kLeastMatches, kLeastOverlap * static_cast<double>(looked));
         if (static_cast<double>(matches.size() - first) < least) matches.resize(first);
       }
     }
@@ -176,7 +180,7 @@ class Aligning {
     const double scale = std::max(1e-5, typical(matches));
     for (const Match& m : matches) {
       const double sigma = std::max(scale, std::sqrt(m.variance)), off = std::abs(m.r) / sigma;
-      const double w = (off > settings_.huber ? settings_.huber / off : 1.0) / (sigma * sigma);
+      const double w = (off > kHuber ? kHuber / off : 1.0) / (sigma * sigma);
       const auto a = static_cast<Eigen::Index>(6 * m.a), b = static_cast<Eigen::Index>(6 * m.b);
       const Matrix6 M = w * m.J * m.J.transpose();
       H.block<6, 6>(a, a) += M;
@@ -202,11 +206,11 @@ class Aligning {
       const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(
           Matrix6(H.block<6, 6>(at, at) / weights[v]));
       int open = 0;
-      while (open < 6 && eigen.eigenvalues()[open] < settings_.least_share) ++open;
+      while (open < 6 && eigen.eigenvalues()[open] < kLeastEigenvalue) ++open;
       open_[v] = eigen.eigenvectors().leftCols(open);
       B.block(at, free, 6, 6 - open) = eigen.eigenvectors().rightCols(6 - open);
       free += 6 - open;
-      const Matrix6 A = camera_motion(v, settings_.likely_shift, settings_.likely_turn_deg);
+      const Matrix6 A = camera_motion(v, kLikelyShift, kLikelyTurn);
       H.block<6, 6>(at, at) += A.transpose() * A;
       g.segment<6>(at) -= A.transpose() * (A * xi_of(T_[v]));
     }
@@ -243,7 +247,7 @@ class Aligning {
         Matrix6 H = Matrix6::Zero();
         Vector6 right = Vector6::Zero();
         for (const std::size_t v : group) {
-          const Matrix6 motion = camera_motion(v, settings_.most_shift, settings_.most_turn_deg);
+          const Matrix6 motion = camera_motion(v, kMostShift, kMostTurn);
           const MatrixXd AN = motion * N;
           const Matrix6 A =
               motion - AN * (AN.transpose() * AN).ldlt().solve(AN.transpose() * motion);
@@ -261,18 +265,17 @@ class Aligning {
 
   // min over z of |A (ξ + N z)|, N the open directions.
   void set_least_motion(std::size_t v, Vector6 xi, AlignedView* view) const {
-    const Matrix6 A = camera_motion(v, settings_.most_shift, settings_.most_turn_deg);
+    const Matrix6 A = camera_motion(v, kMostShift, kMostTurn);
     Vector6 motion = A * xi;
     if (const MatrixXd& N = open_[v]; N.cols() > 0 && N.cols() < 6) {
       const MatrixXd AN = A * N;
       motion -= AN * (AN.transpose() * AN).ldlt().solve(AN.transpose() * motion);
     }
-    view->shift = settings_.most_shift * motion.head<3>().norm();
-    view->turn_deg = settings_.most_turn_deg * motion.tail<3>().norm();
+    view->shift = kMostShift * motion.head<3>().norm();
+    view->turn_deg = kMostTurn * motion.tail<3>().norm();
   }
 
   std::span<const ViewSamples> views_;
-  ViewAlignmentSettings settings_;
   std::vector<Pose> T_;
   std::vector<std::vector<Vector3d>> points_;
   std::deque<NeighbourTree> trees_;
@@ -285,17 +288,15 @@ class Aligning {
 
 }  // namespace
 
-ViewAlignment align_views(std::span<const ViewSamples> views,
-                          const ViewAlignmentSettings& settings) {
-  ViewAlignment result = Aligning(views, settings).run();
+ViewAlignment align_views(std::span<const ViewSamples> views) {
+  ViewAlignment result = Aligning(views).run();
   for (std::size_t v = 0; v < views.size(); ++v) {
     const AlignedView& view = result.views[v];
-    if (view.shift > settings.most_shift || view.turn_deg > settings.most_turn_deg)
+    if (view.shift > kMostShift || view.turn_deg > kMostTurn)
       throw InputError(fmt::format(
           "{}: its camera is {:.1f} mm and {:.2f}° off the other views, as its depths show; they "
           "are put onto each other up to {:.0f} mm and {:.0f}°: calibrate it, or leave it out",
-          views[v].name, 1e3 * view.shift, view.turn_deg, 1e3 * settings.most_shift,
-          settings.most_turn_deg));
+          views[v].name, 1e3 * view.shift, view.turn_deg, 1e3 * kMostShift, kMostTurn));
   }
   return result;
 }

@@ -33,16 +33,6 @@ struct ViewSamples {
   std::vector<SeenPoint> samples;                  // W
 };
 
-struct ViewAlignmentSettings {
-  double most_shift = 0.010, most_turn_deg = 2.0;      // of a camera [m]
-  double likely_shift = 0.005, likely_turn_deg = 1.0;  // s and γ
-  double first_reach = 0.06, last_reach = 0.01;        // of a match [m]
-  int least_matches = 50;                              // of two views; fewer: they do not overlap
-  double least_matched = 0.05;                         // share of a view's samples
-  double least_share = RegistrationSettings().least_share;
-  double huber = RegistrationSettings().huber;
-};
-
 struct AlignedView {
   Pose T;           // correction, in W
   int matches = 0;  // 0: the view overlaps with no other one, and stays
@@ -58,8 +48,7 @@ struct ViewAlignment {
 };
 
 // The same for the same input. Throws InputError naming a view whose camera would move further than
-// most_shift or most_turn.
-ViewAlignment align_views(std::span<const ViewSamples> views,
-                          const ViewAlignmentSettings& settings = {});
+// 10 mm or 2°.
+ViewAlignment align_views(std::span<const ViewSamples> views);
 
 }  // namespace impedraw

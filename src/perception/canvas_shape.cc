@@ -8,7 +8,6 @@ namespace impedraw {
 
 CanvasShape::CanvasShape(const PointCloud& seen, const CanvasShapeSettings& settings)
     : settings_(settings), points_(settings.points), model_(settings.voxel) {
-  validate(settings.registration);
   std::vector<SeenPoint> samples;
   const bool weighted = seen.weight.size() == seen.points.size();
   for (std::size_t i = 0; i < seen.points.size() && i < seen.normals.size(); ++i) {
@@ -18,11 +17,11 @@ CanvasShape::CanvasShape(const PointCloud& seen, const CanvasShapeSettings& sett
                        settings.points.sigma_at_1m / std::sqrt(std::max(1.0, weight))});
     box_K_.extend(seen.points[i]);
   }
-  if (samples.size() < static_cast<std::size_t>(settings.registration.least_matches))
+  if (samples.size() < static_cast<std::size_t>(kLeastMatches))
     throw InputError(fmt::format(
         "perception.frames.depth: the snapshot has {} points with normals; at least {} are needed "
         "to find the canvas's shape in later frames",
-        samples.size(), settings.registration.least_matches));
+        samples.size(), kLeastMatches));
   model_.add(samples, {});
   centre_K_ = Eigen::Vector3d::Zero();
   for (const SeenPoint& s : samples) centre_K_ += s.p / static_cast<double>(samples.size());
@@ -40,7 +39,8 @@ const ShapeRegistration& CanvasShape::look(const CanvasFrame& frame,
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant(settings_.margin);
   points_.find(*frame.depth, *frame.camera_model, {region.min() - margin, region.max() + margin},
                frame.arm, settings_.self_padding, &samples_, looks_++);
-  last_ = register_samples(model_, samples_, X_WK_predicted, settings_.registration);
+  constexpr int kIterations = 4;  // the prediction is close
+  last_ = register_samples(model_, samples_, X_WK_predicted, kIterations);
   return last_;
 }
 

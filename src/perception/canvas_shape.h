@@ -18,7 +18,6 @@ namespace impedraw {
 struct CanvasShapeSettings {
   double voxel = 0.006;  // of the model [m]
   OrganisedSettings points;
-  RegistrationSettings registration{4};  // iterations: the prediction is close
   // Samples beyond this from the model's box, moved with the canvas, are not of it [m].
   double margin = 0.02;
   double self_padding = 0.01;  // to the arm [m]

@@ -6,7 +6,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "impedraw/common/range_check.h"
 #include "impedraw/common/rotations.h"
 
 namespace impedraw {
@@ -15,7 +14,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSettled = 1e-7;  // step at which it ends [m]
+constexpr double kSettled = 1e-7;      // step at which it ends [m]
+constexpr double kMatchReach = 0.02;   // of a match [m]
+constexpr double kLeastMatched = 0.3;  // share of the samples
 
 // The normal equations at a pose, rotations in units of 1/radius.
 struct Sums {
@@ -26,7 +27,7 @@ struct Sums {
 };
 
 Sums sums_at(const SurfaceModel& model, std::span<const SeenPoint> samples, const Pose& X_WK,
-             const Vector3d& c, double radius, const RegistrationSettings& settings) noexcept {
+             const Vector3d& c, double radius) noexcept {
   Sums sums;
   const Pose X_KW = X_WK.inverse();
   for (const SeenPoint& s : samples) {
@@ -34,10 +35,10 @@ Sums sums_at(const SurfaceModel& model, std::span<const SeenPoint> samples, cons
     if (!q) continue;
     const Vector3d n = X_WK.R * q->n, at = X_WK * q->p;
     const double r = n.dot(s.p - at);
-    if (!(std::abs(r) < settings.reach)) continue;
+    if (!(std::abs(r) < kMatchReach)) continue;
     const double sigma = std::sqrt(s.deviation * s.deviation + 1.0 / q->weight),
                  off = std::abs(r) / sigma;
-    const double w = (off > settings.huber ? settings.huber / off : 1.0) / (sigma * sigma);
+    const double w = (off > kHuber ? kHuber / off : 1.0) / (sigma * sigma);
     Vector6 J;
     J << n, (s.p - c).cross(n) / radius;
     sums.H.noalias() += Vector6(w * J) * J.transpose();  // its upper half is exact
@@ -51,16 +52,6 @@ Sums sums_at(const SurfaceModel& model, std::span<const SeenPoint> samples, cons
 }
 
 }  // namespace
-
-void validate(const RegistrationSettings& settings) {
-  RangeChecks("registration")
-      .field("iterations", settings.iterations, {1, 1000}, "")
-      .field("reach", settings.reach, {1e-4, 1.0}, "m")
-      .field("huber", settings.huber, {0.1, 100.0}, "")
-      .field("least_share", settings.least_share, Range::positive_to(0.5), "")
-      .field("least_matches", settings.least_matches, {6, 1000000}, "")
-      .field("least_matched", settings.least_matched, Range::positive_to(1.0), "");
-}
 
 OpenDirection open_direction(const Vector6& e, const Vector3d& c, double radius) noexcept {
   const Vector3d t = e.head<3>(), phi = e.tail<3>() / radius;
@@ -88,8 +79,7 @@ std::string OpenDirection::text() const {
 }
 
 ShapeRegistration register_samples(const SurfaceModel& model, std::span<const SeenPoint> samples,
-                                   const Pose& X_WK_predicted,
-                                   const RegistrationSettings& settings) noexcept {
+                                   const Pose& X_WK_predicted, int iterations) noexcept {
   ShapeRegistration result;
   result.X_WK = X_WK_predicted;
   if (samples.empty()) return result;
@@ -101,11 +91,11 @@ ShapeRegistration register_samples(const SurfaceModel& model, std::span<const Se
 
   Sums sums;
   Eigen::SelfAdjointEigenSolver<Matrix6> eigen;
-  for (int i = 0; i <= settings.iterations; ++i) {
-    sums = sums_at(model, samples, result.X_WK, result.c_W, radius, settings);
+  for (int i = 0; i <= iterations; ++i) {
+    sums = sums_at(model, samples, result.X_WK, result.c_W, radius);
     result.matches = sums.matches;
-    if (sums.matches < settings.least_matches ||
-        sums.matches < settings.least_matched * static_cast<double>(samples.size()))
+    if (sums.matches < kLeastMatches ||
+        sums.matches < kLeastMatched * static_cast<double>(samples.size()))
       return result;
     eigen.compute(sums.H);
     result.open = 0;
@@ -113,14 +103,14 @@ ShapeRegistration register_samples(const SurfaceModel& model, std::span<const Se
     for (int k = 0; k < 6; ++k) {
       const double share = eigen.eigenvalues()[k] / sums.weights;
       result.eigenvalues[static_cast<std::size_t>(k)] = share;
-      if (share < settings.least_share) {
+      if (share < kLeastEigenvalue) {
         ++result.open;
       } else {
         const Vector6 e = eigen.eigenvectors().col(k);
         step += (e.dot(sums.g) / eigen.eigenvalues()[k]) * e;
       }
     }
-    if (i == settings.iterations || step.norm() < kSettled) break;
+    if (i == iterations || step.norm() < kSettled) break;
     const Eigen::Matrix3d turn = rotation(step.tail<3>() / radius);
     result.X_WK.p = turn * (result.X_WK.p - result.c_W) + result.c_W + step.head<3>();
     result.X_WK.R = Eigen::Quaterniond(turn * result.X_WK.R).normalized().toRotationMatrix();

@@ -3,13 +3,13 @@
 //
 // Minimises  Σ ρ( n_i·(p_i − X_WK q_i) / σ_i )  over X_WK; q_i, n_i: the model's point nearest to
 // the sample and its normal; ρ: Huber's, so that the arm's shadow and what is not the body pull
-// little; a match further off than `reach` counts as none. Gauss-Newton from the predicted pose; a
+// little; a match further off than 20 mm counts as none. Gauss-Newton from the predicted pose; a
 // step ξ = (t, φ) moves a point by t + φ × (p − c), c the samples' centroid.
 //
 // With rotations scaled by the samples' RMS distance from c, the eigenvalues of the normal matrix
-// over the sum of the weights lie between 0 and 1. Directions below `least_share` are open: a plane
-// slides in itself and turns about its normal, a sphere turns about its centre. The pose keeps its
-// prediction in those directions (solution remapping), and its covariance says so.
+// over the sum of the weights lie between 0 and 1. Directions below kLeastEigenvalue are open: a
+// plane slides in itself and turns about its normal, a sphere turns about its centre. The pose
+// keeps its prediction in those directions (solution remapping), and its covariance says so.
 //
 // Sources: Y. Chen, G. Medioni, "Object modelling by registration of multiple range images", 1992;
 // N. Gelfand, L. Ikemoto, S. Rusinkiewicz, M. Levoy, "Geometrically stable sampling for the ICP
@@ -26,17 +26,9 @@
 
 namespace impedraw {
 
-struct RegistrationSettings {
-  int iterations = 10;         // at most
-  double reach = 0.02;         // of a match [m]
-  double huber = 1.5;          // [standard deviations]
-  double least_share = 4e-3;   // of an eigenvalue, below which a direction is open
-  int least_matches = 50;      // fewer: not found
-  double least_matched = 0.3;  // share of the samples
-};
-
-// Throws InputError naming the setting.
-void validate(const RegistrationSettings& settings);
+inline constexpr double kHuber = 1.5;             // [standard deviations]
+inline constexpr double kLeastEigenvalue = 4e-3;  // share, below which a direction is open
+inline constexpr int kLeastMatches = 50;          // fewer: not found
 
 // A motion that leaves the surface where it is.
 struct OpenDirection {
@@ -68,9 +60,8 @@ struct ShapeRegistration {
   std::array<OpenDirection, 6> open_directions{};
 };
 
-// samples: in W. Allocates nothing.
+// samples: in W. iterations: at most. Allocates nothing.
 ShapeRegistration register_samples(const SurfaceModel& model, std::span<const SeenPoint> samples,
-                                   const Pose& X_WK_predicted,
-                                   const RegistrationSettings& settings = {}) noexcept;
+                                   const Pose& X_WK_predicted, int iterations = 10) noexcept;
 
 }  // namespace impedraw
