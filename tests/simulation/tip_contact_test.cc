@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/canvas/built_in.h"
+#include "impedraw/simulation/tip_contact.h"
 
 namespace impedraw {
 namespace {
