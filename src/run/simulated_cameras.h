@@ -22,6 +22,7 @@
 #include "impedraw/common/exchange.h"
 #include "impedraw/common/seeded_normals.h"
 #include "impedraw/experiment/snapshot.h"
+#include "impedraw/perception/canvas_frame.h"
 #include "impedraw/simulation/world.h"
 
 namespace impedraw {
