@@ -32,7 +32,7 @@ VARIANTS = {
     "feedforward": ("bowl-m-natural", ["control.friction_feedforward=0.3", "control.tip_stiffness=0"]),
     "moving-natural": ("moving-heave", ["control.wrench=realistic", "control.inertia=natural", "control.felt_normal.share=0.3"]),
     "moving-paper": ("moving-turntable", ["control.projection=paper", "control.pen_axis=surface", "control.force_integral.enabled=true"]),
-    "slow-joints": ("bowl-m", ["control.turn_speed_limit=1.5", "control.torque_rate=1000"]),
+    "slow-joints": ("bowl-m", ["control.joint_speed_share=0.3", "control.turn_speed_limit=1.5", "control.torque_rate=1000"]),
     "yields": ("bowl-push-elbow", ["control.observer.yield_limit=[1,1,1,1,1,1,1]", "world.joint_friction=2"]),
     "singular-weak": ("safety-singular", ["control.torque_share=0.15"]),
 }  # fmt: skip

@@ -12,7 +12,6 @@
 #include "impedraw/control/damping.h"
 #include "impedraw/control/describe_control.h"
 #include "impedraw/control/impedance.h"
-#include "impedraw/control/joint_speed_shares.h"
 #include "impedraw/sensing/touch_surface.h"
 
 namespace impedraw {
@@ -108,7 +107,7 @@ ImpedanceSettings impedance_settings(const Scenario& s, const Belief& belief, co
   }
   settings.surface.drawing_axis_W = plan.path_settings.X_WP.R.col(2);
   settings.limits.torque = s.control.torque_share * limits.torque;
-  settings.limits.joint_speed = JointSpeedShares::kLaw * limits.speed;
+  settings.limits.joint_speed = s.control.joint_speed_share * limits.speed;
   settings.limits.torque_rate =
       Eigen::VectorXd::Constant(limits.torque.size(), torque_rate(s, limits));
   if (s.arm.driver != ArmDriver::sim)

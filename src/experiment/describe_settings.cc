@@ -1,6 +1,5 @@
 // The settings of a scenario under `perception` and `control`.
 #include "impedraw/control/describe_control.h"
-#include "impedraw/control/joint_speed_shares.h"
 #include "impedraw/experiment/scenario.h"
 
 namespace impedraw {
@@ -200,7 +199,9 @@ void describe(Fields& f, ControlSettings& s) {
           "Fraction of the arm's torque limits that may be used.");
   f.field("torque_rate", s.torque_rate, kTorqueRateRange, "Nm/s",
           "Largest rate of change of a joint's torque.");
-  f.constant("joint_speed_share", JointSpeedShares::kLaw);
+  f.field("joint_speed_share", s.joint_speed_share, {0.01, 1.0}, "",
+          "Share of the arm's joint speed limits that the law may ask for; faster joints are "
+          "damped.");
   f.field("check_rotors", s.check_rotors,
           "Refuses a simulated arm whose rotors differ from arm.rotor_inertia by more than the law "
           "bears.");

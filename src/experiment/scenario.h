@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "impedraw/control/impedance_settings.h"
+#include "impedraw/control/joint_speed_shares.h"
 #include "impedraw/drawing/hatch.h"
 #include "impedraw/drawing/layers.h"
 #include "impedraw/drawing/placement.h"
@@ -318,9 +319,10 @@ struct ControlSettings : ImpedanceSettings {
   // Along the normal, for inertia: shaped; absent: the least of shaped_inertia, or more where the
   // wrench comes late (control_setup.cc) [kg].
   std::optional<double> mass_normal;
-  double torque_share = 1.0;    // of the arm's torque limits
-  double torque_rate = 4000.0;  // of every joint [Nm/s]
-  bool check_rotors = true;     // refuses what the law would not bear (experiment.cc)
+  double torque_share = 1.0;                          // of the arm's torque limits
+  double torque_rate = 4000.0;                        // of every joint [Nm/s]
+  double joint_speed_share = JointSpeedShares::kLaw;  // of the arm's joint speed limits
+  bool check_rotors = true;  // refuses what the law would not bear (experiment.cc)
   // Delay of the drives [s]; none: 0. timing.loop_delay is one step more.
   std::optional<double> torque_delay;
   // Stiffness of the null space, one entry per joint [Nm/rad]; empty: 10 Nm/rad on each joint.

@@ -436,6 +436,19 @@ TEST(MovingCanvas, WhatFitsNowhereIsNamedAndTheRestDrawn) {
   EXPECT_LT(f["ink_error_rms"], 0.3);
 }
 
+// A line of 2.6 m, longer than the forecast, at the edge of the reach. It was given up as a whole
+// once its end did not fit: 19 % were drawn.
+TEST(MovingCanvas, ALongLineIsCutWhereItDoesNotFitAsAWhole) {
+  const Figures f = draw_scenario(
+      "moving-sway", {"drawing.svg=artwork/spiral.svg", "drawing.placement.width=260",
+                      "drawing.placement.centre=[0.8,0]", "canvas.move=[0.2,0,0]",
+                      "perception.region_upper=[1.3,0.6,0.6]", "drawing.skip_unreachable=true"});
+  EXPECT_GT(f["coverage"], 0.8);
+  EXPECT_EQ(f["contact_fraction"], 1.0);
+  EXPECT_LT(f["ink_error_rms"], 0.2);
+  for (const UnreachedPart& u : f.outcome.unreached) EXPECT_THAT(u.text, HasSubstr("stroke 0 "));
+}
+
 // A slow swing brings a dash into reach for some seconds only: the pen waits above until then.
 TEST(MovingCanvas, PenWaitsUntilAStrokeSwingsIntoReach) {
   const Figures f = draw_scenario("moving-swing");

@@ -26,7 +26,9 @@ void describe(F& f, PreflightSettings& s) {
   f.constant("fold_height", s.fold_height, {1e-6, 0.1}, "m");
   f.constant("joint_margin", s.joint_margin, {0.0, 1.0}, "rad");
   f.constant("max_joint_step", s.max_joint_step, {0.001, 3.0}, "rad");
-  f.constant("clearance", s.clearance, {0.0, kFarEnough / 2}, "m");
+  f.field("clearance", s.clearance, {0.0, kFarEnough / 2}, "m",
+          "Distance that arm and pen keep from canvas and table; the pen's grows from zero at the "
+          "tip.");
   f.field("table_z", s.table_z, {-2.0, 2.0}, "m", "Height of a table; null: there is none.");
 }
 
