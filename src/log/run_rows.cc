@@ -22,44 +22,41 @@ bool ReplayLog::cut_short() const { return log_->cut_short(); }
 
 namespace {
 
-// Reads rows [begin, begin + rows.size()) of a table. A dataset that an older log lacks leaves what
-// is there. `visit`: visit_row() or visit_step().
-bool read_table(const LogReader& log, const std::vector<LogColumn>& columns, std::size_t begin,
-                auto& rows, const auto& visit) {
+// Hands over the rows of a table one after the other, in one row that is filled anew. A dataset
+// that an older log lacks leaves what is there. `visit`: visit_row() or visit_step(). Returns false
+// if rows exist but cannot be read.
+bool read_table(const LogReader& log, const std::vector<LogColumn>& columns, std::size_t rows,
+                auto row, const auto& visit, const auto& done) {
   std::vector<std::vector<std::byte>> values(columns.size());
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (!log.has(columns[c].name)) continue;
-    values[c].resize(rows.size() * columns[c].row_bytes());
-    if (!log.read(columns[c], begin, rows.size(), values[c].data())) return false;
-  }
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    std::size_t c = 0;
-    visit(rows[i], [&](const char*, auto& value, const auto&...) {
-      if (!values[c].empty()) take_value(value, &values[c][i * columns[c].row_bytes()]);
-      ++c;
-    });
+  for (std::size_t begin = 0; begin < rows; begin += LogFile::kChunkRows) {
+    const std::size_t n = std::min(LogFile::kChunkRows, rows - begin);
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      if (!log.has(columns[c].name)) continue;
+      values[c].resize(n * columns[c].row_bytes());
+      if (!log.read(columns[c], begin, n, values[c].data())) return false;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      std::size_t c = 0;
+      visit(row, [&](const char*, auto& value, const auto&...) {
+        if (!values[c].empty()) take_value(value, &values[c][i * columns[c].row_bytes()]);
+        ++c;
+      });
+      done(row);
+    }
   }
   return true;
 }
 
-// Hands over the rows block by block. Returns false if they exist but cannot be read.
-bool visit_blocks(const LogReader& log, const std::function<void(LogRow&)>& visit) {
-  const std::vector<LogColumn> columns = log_columns(log.header());
-  std::vector<LogRow> rows;
-  for (std::size_t begin = 0; begin < log.rows(); begin += rows.size()) {
-    rows.assign(std::min(LogFile::kChunkRows, log.rows() - begin), LogRow(log.joints()));
-    if (!read_table(log, columns, begin, rows,
-                    [&](LogRow& row, const auto& column) { visit_row(row, log.header(), column); }))
-      return false;
-    for (LogRow& row : rows) visit(row);
-  }
-  return true;
+bool visit_table(const LogReader& log, const std::function<void(LogRow&)>& visit) {
+  return read_table(
+      log, log_columns(log.header()), log.rows(), LogRow(log.joints()),
+      [&](LogRow& row, const auto& column) { visit_row(row, log.header(), column); }, visit);
 }
 
 }  // namespace
 
 bool ReplayLog::visit(const std::function<void(const LogRow&)>& visit) const {
-  return visit_blocks(*log_, visit);
+  return visit_table(*log_, visit);
 }
 
 bool visit_steps(const LogReader& log, const std::function<void(const LogStep&)>& visit) {
@@ -70,28 +67,22 @@ bool visit_steps(const LogReader& log, const std::function<void(const LogStep&)>
   };
   if (log.rate() == LogRate::full) {
     LogSteps measured(log.header());
-    return visit_blocks(log, [&](LogRow& row) {
+    return visit_table(log, [&](LogRow& row) {
       LogStep step = measured.measure(row);
       step.step_time = row.step_time;
       step.felt_force = row.wrench_measured.head<3>().dot(row.surface_normal);
       checked(step);
     });
   }
-  std::vector<LogStep> steps;
-  for (std::size_t begin = 0; begin < log.steps(); begin += steps.size()) {
-    steps.assign(std::min(LogFile::kChunkRows, log.steps() - begin), {});
-    if (!read_table(log, step_columns(), begin, steps,
-                    [](LogStep& step, const auto& column) { visit_step(step, "", column); }))
-      return false;
-    for (const LogStep& step : steps) checked(step);
-  }
-  return true;
+  return read_table(
+      log, step_columns(), log.steps(), LogStep{},
+      [](LogStep& step, const auto& column) { visit_step(step, "", column); }, checked);
 }
 
 void visit_rows(const std::filesystem::path& path,
                 const std::function<void(const LogRow&)>& visit) {
   const LogReader log(path);
-  const bool whole = visit_blocks(log, [&](LogRow& row) {
+  const bool whole = visit_table(log, [&](LogRow& row) {
     if (!log.header().joint_sensor) row.measured_position = row.joint_position;
     visit(row);
   });
