@@ -21,6 +21,8 @@ constexpr double kSoon = 0.3;         // a start that is that near is now [s]
 constexpr double kAbove = 0.02;       // the safe height: where a pen from its rest goes to [m]
 constexpr double kLastOfJoin = 0.3;   // the pen is where it goes to within 6 % by then [s]
 constexpr double kWaitAbove = 0.15;   // a stroke's first point, where it will be [m]
+constexpr std::size_t kOthers = 8;    // strokes that are tried where the first cannot be followed
+constexpr double kLater = 1.0;        // the next decision, where several were tried in vain [s]
 constexpr double kAgain = 0.25;       // the next decision, where a window's edge is not clear [s]
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -262,28 +264,44 @@ CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
     return out;
   }
 
+  // As many of the parts, from the first on, as a path to them and along them can be followed.
+  const auto lay = [&](std::size_t first_job) {
+    while (!out.parts.empty()) {
+      if (pen.joined) {
+        out.path = plan(out.parts, X_KE.p, -X_KE.R.col(2), 0.0);
+      } else {
+        out.join = join_to(first_job);
+        // Down while the last of it goes over.
+        out.path = plan(out.parts, start_of(first_job), up, out.join - kLastOfJoin);
+      }
+      const std::optional<CarriedFault> why = fault(out.path, forecast, pen, out.join);
+      if (!why) return true;
+      if (out.why.empty()) out.why = fault_text(out.parts[why->stroke].stroke, *why);
+      out.parts.resize(why->stroke);
+    }
+    return false;
+  };
   double end = first.start;
   for (const StrokeSlot& slot : order.slots) {
     if (slot.start > end + between + kSoon) break;
     out.parts.push_back(parts[slot.job]);
     end = slot.start + jobs[slot.job].duration;
   }
-  while (!out.parts.empty()) {
-    if (pen.joined) {
-      out.path = plan(out.parts, X_KE.p, -X_KE.R.col(2), 0.0);
-    } else {
-      out.join = join_to(first.job);
-      // Down while the last of it goes over.
-      out.path = plan(out.parts, start_of(first.job), up, out.join - kLastOfJoin);
-    }
-    const std::optional<CarriedFault> why = fault(out.path, forecast, pen, out.join);
-    if (!why) break;
-    out.why = fault_text(out.parts[why->stroke].stroke, *why);
-    out.parts.resize(why->stroke);
+  bool laid = lay(first.job);
+  if (!laid) out.in_vain = {parts[first.job]};
+  // A place may be in reach, and yet not from the posture in which the arm is: others come first.
+  for (std::size_t k = 1; !laid && k < std::min(order.slots.size(), kOthers); ++k) {
+    const std::size_t job = order.slots[k].job;
+    const auto soon = slot_of(jobs, job, pen.time + lead);
+    if (!soon || soon->start > pen.time + lead + kSoon) continue;
+    out.parts = {parts[job]};
+    laid = lay(job);
+    if (!laid) out.in_vain.push_back(parts[job]);
   }
-  if (out.parts.empty()) {
+  if (!laid) {
+    if (parts[first.job].length() > kShortest) out.too_long.push_back(parts[first.job]);
     out.kind = CarriedDecision::Kind::wait;
-    out.until = pen.time + kAgain;
+    out.until = pen.time + (out.in_vain.size() > 1 ? kLater : kAgain);
     return out;
   }
   out.kind = CarriedDecision::Kind::draw;

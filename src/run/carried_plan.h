@@ -69,6 +69,7 @@ struct CarriedDecision {
   std::string why;                         // reason for not drawing as planned
   std::vector<UnreachedPart> lost;         // parts given up for good
   std::vector<StrokePart> too_long;        // parts that fit nowhere as a whole: to be cut first
+  std::vector<StrokePart> in_vain;         // parts that were tried now: others first, next time
   std::vector<std::string> remarks;        // "stroke 3 is in reach from 4.2 to 9.8 s"
 };
 

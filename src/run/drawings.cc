@@ -157,7 +157,7 @@ std::optional<Move> MovingDrawing::end_of_wait(const Situation& now) {
   waited_ += now.pen.time - wait_began_;
   if (waited_ < kMostWait) return std::nullopt;
   std::vector<UnreachedPart> lost;
-  for (const StrokePart& part : pending_) lost.push_back({part, decision_.why});
+  for (const StrokePart& part : merged(pending_)) lost.push_back({part, decision_.why});
   return give_up(lost);
 }
 
@@ -214,6 +214,11 @@ Move MovingDrawing::decide(const Situation& now) {
     if (std::optional<Move> end = give_up(decision.lost)) return *end;
     if (decision.kind == CarriedDecision::Kind::draw) return draw(std::move(decision));
     if (decision.kind == CarriedDecision::Kind::nothing) continue;
+    std::ranges::stable_partition(pending_, [&](const StrokePart& p) {
+      return std::ranges::none_of(decision.in_vain, [&](const StrokePart& tried) {
+        return tried.stroke == p.stroke && tried.from == p.from;
+      });
+    });
     decision_ = std::move(decision);
     wait_began_ = now.pen.time;
     if (!now.pen.joined) return wait(now);
