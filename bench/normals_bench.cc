@@ -84,20 +84,15 @@ void BM_knn_bare(benchmark::State& state) {
   });
 }
 
-void estimate(benchmark::State& state, NormalMode mode) {
+void BM_normal_fresh(benchmark::State& state) {
   NormalSettings settings;
   settings.k = static_cast<int>(state.range(0));
-  settings.mode = mode;
   const SurfaceEstimator estimator(bowl_cloud(), settings);
   run(state, [&](const Vector3d& p) { benchmark::DoNotOptimize(estimator.estimate(p)); });
 }
 
-void BM_normal_fresh(benchmark::State& state) { estimate(state, NormalMode::fresh); }
-void BM_normal_interpolated(benchmark::State& state) { estimate(state, NormalMode::interpolated); }
-
 BENCHMARK(BM_knn_bare)->Arg(30)->Arg(40)->Arg(60);
 BENCHMARK(BM_normal_fresh)->Arg(30)->Arg(40)->Arg(60);
-BENCHMARK(BM_normal_interpolated)->Arg(40);
 
 }  // namespace
 }  // namespace impedraw
