@@ -449,6 +449,16 @@ TEST(MovingCanvas, ALongLineIsCutWhereItDoesNotFitAsAWhole) {
   for (const UnreachedPart& u : f.outcome.unreached) EXPECT_THAT(u.text, HasSubstr("stroke 0 "));
 }
 
+// Terrain at the near end of the reach: the first line cannot be followed from where the arm is.
+// It blocked the others until all were given up: 36 % were drawn.
+TEST(MovingCanvas, AStrokeThatCannotBeFollowedLetsOthersGoFirst) {
+  const Figures f = draw_scenario(
+      "moving-shape", {"drawing.svg=artwork/spiral.svg", "drawing.placement.width=200",
+                       "drawing.placement.centre=[0.45,0]", "drawing.skip_unreachable=true"});
+  EXPECT_GT(f["coverage"], 0.5);
+  EXPECT_LT(f["ink_error_rms"], 0.2);
+}
+
 // A slow swing brings a dash into reach for some seconds only: the pen waits above until then.
 TEST(MovingCanvas, PenWaitsUntilAStrokeSwingsIntoReach) {
   const Figures f = draw_scenario("moving-swing");
