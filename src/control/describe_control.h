@@ -4,6 +4,7 @@
 // (common/range_check.h) and by Fields (settings/schema.h).
 #pragma once
 
+#include "impedraw/common/range.h"
 #include "impedraw/control/impedance_settings.h"
 
 namespace impedraw {

@@ -214,7 +214,7 @@ Move MovingDrawing::decide(const Situation& now) {
     if (std::optional<Move> end = give_up(decision.lost)) return *end;
     if (decision.kind == CarriedDecision::Kind::draw) return draw(std::move(decision));
     if (decision.kind == CarriedDecision::Kind::nothing) continue;
-    std::ranges::stable_partition(pending_, [&](const StrokePart& p) {
+    std::stable_partition(pending_.begin(), pending_.end(), [&](const StrokePart& p) {
       return std::ranges::none_of(decision.in_vain, [&](const StrokePart& tried) {
         return tried.stroke == p.stroke && tried.from == p.from;
       });

@@ -1,6 +1,8 @@
 // Settings of the surface learned from touch: touch_surface.h.
 #pragma once
 
+#include <Eigen/Core>
+
 namespace impedraw {
 
 struct TouchSettings {

@@ -2,6 +2,7 @@
 // See control/describe_control.h.
 #pragma once
 
+#include "impedraw/common/range.h"
 #include "impedraw/simulation/world_settings.h"
 
 namespace impedraw {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "impedraw/simulation/world_settings.h"
+
 namespace impedraw {
 
 class TipLine {

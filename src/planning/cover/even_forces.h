@@ -14,6 +14,8 @@
 
 #include <Eigen/Core>
 
+#include "impedraw/planning/cover/pressed_foot.h"
+
 namespace impedraw {
 
 using PlaneLines = std::vector<std::vector<Eigen::Vector2d>>;
