@@ -10,6 +10,7 @@
 
 #include "impedraw/arm/arm_notes.h"
 #include "impedraw/canvas/mesh_file.h"
+#include "impedraw/common/exit_code.h"
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/live/live_view.h"
