@@ -9,6 +9,15 @@
 #include "impedraw/experiment/height_sources.h"
 
 namespace impedraw {
+namespace {
+
+// It is one of the parts; parts of a stroke begin at different places.
+bool is_among(const StrokePart& part, const std::vector<StrokePart>& parts) {
+  return std::ranges::any_of(
+      parts, [&](const StrokePart& p) { return p.stroke == part.stroke && p.from == part.from; });
+}
+
+}  // namespace
 
 StandingDrawing::StandingDrawing(const Experiment& e, TipPath first, BlockedPlaces blocked)
     : e_(e), first_(std::move(first)), blocked_(std::move(blocked)) {}
@@ -184,10 +193,10 @@ std::optional<Move> MovingDrawing::end_of_path(const Situation& now) {
     ++losses_;
   } else {
     // A gap within what was followed is drawn later, with others.
-    for (std::size_t i = 0; i < last.strokes_followed; ++i)
-      std::erase_if(pending_, [&](const StrokePart& p) {
-        return p.stroke == parts[i].stroke && p.from == parts[i].from;
-      });
+    const auto begun = parts.begin();
+    const std::vector<StrokePart> followed(
+        begun, begun + static_cast<std::ptrdiff_t>(last.strokes_followed));
+    std::erase_if(pending_, [&](const StrokePart& p) { return is_among(p, followed); });
     return std::nullopt;
   }
   pending_ = left_by(now.ink);
@@ -214,11 +223,8 @@ Move MovingDrawing::decide(const Situation& now) {
     if (std::optional<Move> end = give_up(decision.lost)) return *end;
     if (decision.kind == CarriedDecision::Kind::draw) return draw(std::move(decision));
     if (decision.kind == CarriedDecision::Kind::nothing) continue;
-    std::stable_partition(pending_.begin(), pending_.end(), [&](const StrokePart& p) {
-      return std::ranges::none_of(decision.in_vain, [&](const StrokePart& tried) {
-        return tried.stroke == p.stroke && tried.from == p.from;
-      });
-    });
+    std::stable_partition(pending_.begin(), pending_.end(),
+                          [&](const StrokePart& p) { return !is_among(p, decision.in_vain); });
     decision_ = std::move(decision);
     wait_began_ = now.pen.time;
     if (!now.pen.joined) return wait(now);
@@ -299,10 +305,8 @@ void MovingDrawing::cut(const std::vector<StrokePart>& parts) {
   constexpr double kLongest = 2.0;  // [m]
   std::vector<StrokePart> all;
   for (const StrokePart& p : pending_) {
-    const bool whole = std::ranges::none_of(parts, [&](const StrokePart& part) {
-      return part.stroke == p.stroke && part.from == p.from;
-    });
-    const int n = whole ? 1 : std::max(2, static_cast<int>(std::ceil(p.length() / kLongest)));
+    const int n =
+        !is_among(p, parts) ? 1 : std::max(2, static_cast<int>(std::ceil(p.length() / kLongest)));
     for (int i = 0; i < n; ++i)
       all.push_back({p.stroke, p.from + p.length() * i / n,
                      i + 1 == n ? p.to : p.from + p.length() * (i + 1) / n});
