@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "impedraw/common/cross.h"
 #include "impedraw/common/errors.h"
@@ -265,14 +265,208 @@ void tell_grounds_and_flat(const LeftOut& left_out, Artwork& artwork) {
 void require_strokes(const SvgSettings& settings, Artwork& artwork) {
   const std::string nothing = "has nothing to draw: no visible path or shape";
   if (artwork.strokes.empty() && !settings.may_be_empty) {
-    std::string why;
-    for (const std::string& warning : artwork.warnings)
-      why += (why.empty() ? " (" : "; ") + warning;
-    if (!why.empty()) why += ")";
-    throw InputError(fmt::format("{}: {}{}", artwork.name, nothing, why));
+    const std::string why = fmt::format("{}", fmt::join(artwork.warnings, "; "));
+    throw InputError(
+        fmt::format("{}: {}{}", artwork.name, nothing, why.empty() ? why : " (" + why + ")"));
   }
   if (artwork.strokes.empty()) artwork.warnings.push_back(nothing);
 }
+
+// Reads a document's paths in the order in which they are painted.
+class SvgReading {
+ public:
+  SvgReading(std::shared_ptr<const ImpedrawSvg> svg, const std::string& name,
+             const SvgSettings& settings)
+      : svg_(std::move(svg)),
+        settings_(settings),
+        as_painted_(settings.visible == Visible::as_painted),
+        subpaths_(svg_subpaths(*svg_, name)),
+        subpath_(subpaths_.data()),
+        dash_lengths_(svg_->dashes),
+        letters_(settings.single_font),
+        by_colour_(colour_layers(*svg_, settings.layers)) {
+    artwork_.name = name;
+    artwork_.page =
+        Eigen::AlignedBox2d(Vector2d::Zero(), Vector2d(svg_->width_mm, svg_->height_mm));
+    artwork_.layers.assign(svg_->layers, svg_->layers + svg_->layer_count);
+    artwork_.warnings.assign(svg_->warnings, svg_->warnings + svg_->warning_count);
+    if (!by_colour_.empty()) {
+      artwork_.layers.resize(by_colour_.size());
+      for (const auto& [colour, index] : by_colour_) artwork_.layers[index] = colour_name(colour);
+    }
+    const Eigen::AlignedBox2d painted = painted_box(subpaths_);
+    flatten_.turn = settings.turn;
+    if (!subpaths_.empty())
+      flatten_.tolerance =
+          std::min(settings.tolerance_mm,
+                   std::max(settings.relative_tolerance * painted.diagonal().norm(), 1e-6));
+    fits_ = grown(artwork_.page).contains(painted);
+    painting_.paints.resize(svg_->path_count);
+    painting_.clips.push_back({-1, false, {{{{page_outline(artwork_.page)}}}}});
+    for (std::size_t i = 0; i < svg_->clip_count; ++i)
+      painting_.clips.push_back({clip_of(svg_->clips[i].parent), svg_->clips[i].mask != 0, {}});
+    for (std::size_t i = 0; i < svg_->group_count; ++i)
+      painting_.groups.push_back({static_cast<int>(svg_->groups[i].parent) - 1,
+                                  svg_->groups[i].opacity, svg_->groups[i].blend});
+  }
+
+  Artwork read() {
+    for (std::size_t i = 0; i < svg_->path_count; ++i) take(i);
+    look_at(std::move(painting_), as_painted_, artwork_);
+    if (const std::string lacking = letters_.lacking(); !lacking.empty())
+      artwork_.warnings.push_back(lacking);
+    tell_white_and_off(left_out_, artwork_);
+    drop_empty_layers(artwork_, true);
+    order_layers(artwork_);
+    tell_grounds_and_flat(left_out_, artwork_);
+    require_strokes(settings_, artwork_);
+    return std::move(artwork_);
+  }
+
+ private:
+  // A path on the page: a line for each of its subpaths, or the lines of its letter.
+  struct Outline {
+    const ImpedrawSvgPath& path;
+    const SvgSubpath* subpaths;
+    std::vector<std::vector<Vector2d>> lines;
+    int dash;  // index in the painting's, or -1
+
+    const SvgSubpath& subpath(std::size_t line) const {
+      return subpaths[path.letter[0] > 0 ? 0 : line];
+    }
+  };
+
+  // If something reaches beyond the page, the page clips what no other clip does.
+  int clip_of(std::uint32_t clip) const { return clip > 0 || !fits_ ? static_cast<int>(clip) : -1; }
+
+  int layer_of(std::uint32_t colour, int group) const {
+    const auto found = by_colour_.find(colour);
+    return by_colour_.empty() ? group : found == by_colour_.end() ? 0 : found->second;
+  }
+
+  // The outline of the next path of the document.
+  Outline next_outline(const ImpedrawSvgPath& path) {
+    Outline outline{path, subpath_, {}, -1};
+    for (; subpath_ != subpaths_.data() + subpaths_.size() && subpath_->path == &path; ++subpath_) {
+      if (path.letter[0] > 0)
+        outline.lines = letters_.strokes_of(*subpath_);
+      else
+        outline.lines.push_back(flatten(*subpath_, flatten_, artwork_.name));
+    }
+    outline.dash = add_dash(path, dash_lengths_, outline.lines, outline.subpaths, painting_.dashes);
+    dash_lengths_ += path.dash_count;
+    return outline;
+  }
+
+  void take(std::size_t index) {
+    const ImpedrawSvgPath& path = svg_->paths[index];
+    const Outline outline = next_outline(path);
+    if (path.shapes > 0) {
+      painting_.clips[path.shapes].shapes.push_back({area_of(outline.lines, path),
+                                                     path.clip > 0 ? clip_of(path.clip) : -1,
+                                                     path.value, path.alpha});
+      return;
+    }
+    const std::string group = svg_->layers[path.layer];
+    if (layer_marks(group).off) {
+      left_out_.off[group] += outline.lines.size();
+      return;
+    }
+    const bool strokes = path.stroked && !(as_painted_ && is_white(path.stroke)),
+               fills = path.filled && !is_white(path.fill), eraser = only_hides(path);
+    Paint& paint = painting_.paints[index] = paint_of(outline, index);
+    paint.inked = fills;
+    if (strokes && path.covers) paint.covers_from = path.covers_from;
+    const bool ground = !eraser && is_ground(outline.lines, path, artwork_.page);
+    left_out_.grounds += ground;
+    if (eraser || ground || paint.soft > 0) return;
+    if (as_painted_ && !strokes && !fills)
+      ++left_out_.white;
+    else
+      add_strokes(outline, strokes, strokes && fills, paint);
+  }
+
+  // What the path fills and covers, without its strokes.
+  Paint paint_of(const Outline& outline, std::size_t index) const {
+    const ImpedrawSvgPath& path = outline.path;
+    Paint paint;
+    paint.area = area_of(outline.lines, path);
+    paint.veil = path.hides == IMPEDRAW_SVG_VEIL;
+    paint.hides = path.hides != IMPEDRAW_SVG_NOTHING && !paint.veil;
+    paint.hides_from = path.hides_from;
+    paint.clip = clip_of(path.clip);
+    paint.round = path.caps;
+    paint.soft = path.soft;
+    paint.opacity = path.opacity, paint.stroke_opacity = path.stroke_opacity;
+    paint.group = static_cast<int>(path.group) - 1;
+    paint.shaded = path.shaded[0], paint.shaded_strokes = path.shaded[1];
+    if (paint.shaded || paint.shaded_strokes) {
+      paint.shade = [svg = svg_, index](const Vector2d& p, bool of_stroke) {
+        float rgba[4];
+        impedraw_svg_shade(svg.get(), index, of_stroke, p.x(), p.y(), rgba);
+        return Tint(rgba[0], rgba[1], rgba[2], rgba[3]);
+      };
+    }
+    const double around = opacity_around(paint, painting_.groups);
+    paint.area.tone = around * ink_share(tint_of(path.fill, paint.opacity));
+    if (paint.area.tone >= kNearlyFull) paint.area.tone = 1;
+    if (paint.shaded)
+      paint.area.tone_at = [shade = paint.shade, around](const Vector2d& p) {
+        return around * ink_share(shade(p, false));
+      };
+    paint.area.layer = layer_of(path.fill, paint.area.layer);
+    return paint;
+  }
+
+  void add_strokes(const Outline& outline, bool strokes, bool on_a_fill, Paint& paint) {
+    for (std::size_t i = 0; i < outline.lines.size(); ++i) {
+      const SvgSubpath& subpath = outline.subpath(i);
+      Stroke stroke = stroke_of(subpath, outline.lines[i], strokes);
+      if (!outline.path.stroked && stroke.points.empty() && !subpath.segments.empty() &&
+          left_out_.flat++ == 0)
+        left_out_.first_flat = subpath.start;
+      stroke.dash = outline.dash;
+      stroke.layer = layer_of(stroke.colour, stroke.layer);
+      points_ += stroke.points.size();
+      require_few_points(points_, flatten_, artwork_.name);
+      stroke.points.shrink_to_fit();
+      const bool is_line = stroke.points.size() > 2;
+      if (!stroke.points.empty()) paint.strokes.push_back(std::move(stroke));
+      if (as_painted_ && on_a_fill && is_line) add_open_side(outline, i, paint);
+    }
+  }
+
+  // A stroke leaves the side of a fill open that closes it.
+  void add_open_side(const Outline& outline, std::size_t i, Paint& paint) const {
+    const std::vector<Vector2d>& line = outline.lines[i];
+    if (outline.subpath(i).closed || line.size() <= 2 || line.front() == line.back()) return;
+    if (outline.path.fill == outline.path.stroke && outline.dash < 0) {
+      Stroke& stroke = paint.strokes.back();
+      stroke.points.push_back(stroke.points.front());
+      stroke.closed = true;
+      return;
+    }
+    Stroke side = stroke_of(outline.subpath(i), {line.back(), line.front()}, true);
+    side.edge = true, side.width = 0, side.colour = outline.path.fill, side.closed = false;
+    side.layer = layer_of(side.colour, side.layer);
+    if (side.points.size() == 2) paint.strokes.push_back(std::move(side));
+  }
+
+  const std::shared_ptr<const ImpedrawSvg> svg_;
+  const SvgSettings& settings_;
+  const bool as_painted_;
+  const std::vector<SvgSubpath> subpaths_;
+  const SvgSubpath* subpath_;   // the first of the next path
+  const double* dash_lengths_;  // of the next path
+  SvgLetters letters_;
+  const std::map<std::uint32_t, int> by_colour_;
+  FlattenSettings flatten_;
+  bool fits_ = true;  // nothing reaches beyond the page
+  std::size_t points_ = 0;
+  Artwork artwork_;
+  Painting painting_;
+  LeftOut left_out_;
+};
 
 }  // namespace
 
@@ -282,156 +476,12 @@ Artwork parse_svg(std::string_view document, const std::string& name, const SvgS
         fmt::format("svg tolerance: {} mm, {} of the diagonal and {} rad; all must be > 0",
                     settings.tolerance_mm, settings.relative_tolerance, settings.turn));
   }
-  const auto free_svg = [](const ImpedrawSvg* svg) { impedraw_svg_free(svg); };
   const std::shared_ptr<const ImpedrawSvg> svg(
       (settings.single_font.empty() ? impedraw_svg_read : impedraw_svg_letters)(
           reinterpret_cast<const std::uint8_t*>(document.data()), document.size()),
-      free_svg);
+      [](const ImpedrawSvg* read) { impedraw_svg_free(read); });
   if (svg->error) throw InputError(fmt::format("{}: cannot be read as SVG: {}", name, svg->error));
-
-  Artwork artwork;
-  artwork.name = name;
-  artwork.page = Eigen::AlignedBox2d(Vector2d::Zero(), Vector2d(svg->width_mm, svg->height_mm));
-  artwork.layers.assign(svg->layers, svg->layers + svg->layer_count);
-  artwork.warnings.assign(svg->warnings, svg->warnings + svg->warning_count);
-
-  const std::vector<SvgSubpath> subpaths = svg_subpaths(*svg, name);
-  FlattenSettings flatten_settings;
-  flatten_settings.turn = settings.turn;
-  if (!subpaths.empty()) {
-    const double diagonal = painted_box(subpaths).diagonal().norm();
-    flatten_settings.tolerance =
-        std::min(settings.tolerance_mm, std::max(settings.relative_tolerance * diagonal, 1e-6));
-  }
-  const bool as_painted = settings.visible == Visible::as_painted;
-  Painting painting;
-  painting.paints.resize(svg->path_count);
-  // If something reaches beyond the page, the page clips what no other clip does.
-  const bool fits = grown(artwork.page).contains(painted_box(subpaths));
-  const auto clip_of = [&](std::uint32_t clip) {
-    return clip > 0 || !fits ? static_cast<int>(clip) : -1;
-  };
-  painting.clips.push_back({-1, false, {{{{page_outline(artwork.page)}}}}});
-  for (std::size_t i = 0; i < svg->clip_count; ++i)
-    painting.clips.push_back({clip_of(svg->clips[i].parent), svg->clips[i].mask != 0, {}});
-  for (std::size_t i = 0; i < svg->group_count; ++i)
-    painting.groups.push_back({static_cast<int>(svg->groups[i].parent) - 1, svg->groups[i].opacity,
-                               svg->groups[i].blend});
-  const std::map<std::uint32_t, int> by_colour = colour_layers(*svg, settings.layers);
-  if (!by_colour.empty()) {
-    artwork.layers.resize(by_colour.size());
-    for (const auto& [colour, index] : by_colour) artwork.layers[index] = colour_name(colour);
-  }
-  const auto layer_of = [&](std::uint32_t colour, int group) {
-    const auto found = by_colour.find(colour);
-    return by_colour.empty() ? group : found == by_colour.end() ? 0 : found->second;
-  };
-  LeftOut left_out;
-  SvgLetters letters(settings.single_font);
-  std::size_t points = 0;
-  const double* dash_lengths = svg->dashes;
-  auto subpath = subpaths.begin();
-  for (const ImpedrawSvgPath* path = svg->paths; path != svg->paths + svg->path_count; ++path) {
-    std::vector<std::vector<Vector2d>> lines;
-    const auto first_subpath = subpath;
-    for (; subpath != subpaths.end() && subpath->path == path; ++subpath) {
-      if (path->letter[0] > 0)
-        lines = letters.strokes_of(*subpath);
-      else
-        lines.push_back(flatten(*subpath, flatten_settings, name));
-    }
-    const int dash =
-        add_dash(*path, dash_lengths, lines, subpaths.data() + (first_subpath - subpaths.begin()),
-                 painting.dashes);
-    dash_lengths += path->dash_count;
-    const int clip = clip_of(path->clip);
-    Paint& paint = painting.paints[static_cast<std::size_t>(path - svg->paths)];
-    if (path->shapes > 0) {
-      painting.clips[path->shapes].shapes.push_back(
-          {area_of(lines, *path), clip > 0 ? clip : -1, path->value, path->alpha});
-      continue;
-    }
-    const bool strokes = path->stroked && !(as_painted && is_white(path->stroke)),
-               fills = path->filled && !is_white(path->fill), eraser = only_hides(*path);
-    const std::string group = svg->layers[path->layer];
-    if (layer_marks(group).off) {
-      left_out.off[group] += lines.size();
-      continue;
-    }
-    const bool veil = path->hides == IMPEDRAW_SVG_VEIL;
-    paint = {{},
-             area_of(lines, *path),
-             fills,
-             path->hides != IMPEDRAW_SVG_NOTHING && !veil,
-             path->hides_from};
-    paint.veil = veil;
-    paint.clip = clip;
-    paint.round = path->caps;
-    paint.soft = path->soft;
-    paint.opacity = path->opacity, paint.stroke_opacity = path->stroke_opacity;
-    paint.group = static_cast<int>(path->group) - 1;
-    paint.shaded = path->shaded[0], paint.shaded_strokes = path->shaded[1];
-    if (paint.shaded || paint.shaded_strokes) {
-      paint.shade = [svg, index = path - svg->paths](const Vector2d& p, bool of_stroke) {
-        float rgba[4];
-        impedraw_svg_shade(svg.get(), static_cast<std::size_t>(index), of_stroke, p.x(), p.y(),
-                           rgba);
-        return Tint(rgba[0], rgba[1], rgba[2], rgba[3]);
-      };
-    }
-    const double around = opacity_around(paint, painting.groups);
-    paint.area.tone = around * ink_share(tint_of(path->fill, paint.opacity));
-    if (paint.area.tone >= kNearlyFull) paint.area.tone = 1;
-    if (paint.shaded)
-      paint.area.tone_at = [shade = paint.shade, around](const Vector2d& p) {
-        return around * ink_share(shade(p, false));
-      };
-    if (strokes && path->covers) paint.covers_from = path->covers_from;
-    paint.area.layer = layer_of(path->fill, paint.area.layer);
-    const bool ground = !eraser && is_ground(lines, *path, artwork.page);
-    left_out.grounds += ground;
-    if (eraser || ground || paint.soft > 0) continue;
-    if (as_painted && !strokes && !fills) {
-      ++left_out.white;
-      continue;
-    }
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      const SvgSubpath& outline = first_subpath[path->letter[0] > 0 ? 0 : static_cast<long>(i)];
-      Stroke stroke = stroke_of(outline, lines[i], strokes);
-      if (!path->stroked && stroke.points.empty() && !outline.segments.empty() &&
-          left_out.flat++ == 0)
-        left_out.first_flat = outline.start;
-      stroke.dash = dash;
-      stroke.layer = layer_of(stroke.colour, stroke.layer);
-      points += stroke.points.size();
-      require_few_points(points, flatten_settings, name);
-      stroke.points.shrink_to_fit();
-      // A stroke leaves the side of a fill open that closes it.
-      const bool is_open = as_painted && strokes && fills && !outline.closed &&
-                           lines[i].size() > 2 && lines[i].front() != lines[i].back() &&
-                           stroke.points.size() > 2;
-      if (!stroke.points.empty()) paint.strokes.push_back(std::move(stroke));
-      if (!is_open) continue;
-      if (path->fill == path->stroke && dash < 0) {
-        paint.strokes.back().points.push_back(paint.strokes.back().points.front());
-        paint.strokes.back().closed = true;
-        continue;
-      }
-      Stroke side = stroke_of(outline, {lines[i].back(), lines[i].front()}, true);
-      side.edge = true, side.width = 0, side.colour = path->fill, side.closed = false;
-      side.layer = layer_of(side.colour, side.layer);
-      if (side.points.size() == 2) paint.strokes.push_back(std::move(side));
-    }
-  }
-  look_at(std::move(painting), as_painted, artwork);
-  if (const std::string lacking = letters.lacking(); !lacking.empty())
-    artwork.warnings.push_back(lacking);
-  tell_white_and_off(left_out, artwork);
-  drop_empty_layers(artwork, true);
-  order_layers(artwork);
-  tell_grounds_and_flat(left_out, artwork);
-  require_strokes(settings, artwork);
-  return artwork;
+  return SvgReading(svg, name, settings).read();
 }
 
 Artwork read_svg(const std::filesystem::path& file, const SvgSettings& settings) {
