@@ -25,6 +25,7 @@ if(IMPEDRAW_PRECOMPILED_HEADERS)
   target_compile_options(impedraw_less_optimised_headers PRIVATE ${IMPEDRAW_LESS_OPTIMISED})
 
   add_library(impedraw_eigen_headers OBJECT EXCLUDE_FROM_ALL ${empty})
+  target_compile_options(impedraw_eigen_headers PRIVATE ${IMPEDRAW_MORE_OPTIMISED})
   target_link_libraries(impedraw_eigen_headers PRIVATE Eigen3::Eigen)
   target_precompile_headers(impedraw_eigen_headers PRIVATE
     <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/SVD>)

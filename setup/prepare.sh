@@ -276,14 +276,14 @@ is_built() {
   [[ -z $(find "${sources[@]}" "${more[@]}" -newer "$marker" -print -quit 2>/dev/null) ]]
 }
 
-# Build jobs, limited by cores and memory: the largest unit takes about 1.9 GB, most half of it.
+# Build jobs, limited by cores and memory: the largest unit takes up to 2.4 GB, most half of it.
 jobs() {
   [[ ${CMAKE_BUILD_PARALLEL_LEVEL-} =~ ^[1-9][0-9]*$ ]] && { echo "$CMAKE_BUILD_PARALLEL_LEVEL"; return; }
   local cores fit limit
   cores=$(nproc)
-  fit=$(awk '/^MemAvailable:/ {print int($2 / 1600000)}' /proc/meminfo)
+  fit=$(awk '/^MemAvailable:/ {print int($2 / 2000000)}' /proc/meminfo)
   limit=$(cat /sys/fs/cgroup/memory.max 2>/dev/null || true)
-  [[ $limit =~ ^[0-9]+$ ]] && (( limit / 1600000000 < fit )) && fit=$(( limit / 1600000000 ))
+  [[ $limit =~ ^[0-9]+$ ]] && (( limit / 2000000000 < fit )) && fit=$(( limit / 2000000000 ))
   (( fit < 1 )) && fit=1
   echo $(( cores < fit ? cores : fit ))
 }
