@@ -1,7 +1,6 @@
 #include "impedraw/run/carried_plan.h"
 
 #include <algorithm>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -17,78 +16,13 @@ using Eigen::Vector3d;
 constexpr int kPlaces = 7;            // along a stroke, at most
 constexpr double kMostLooks = 12000;  // postures of all windows together
 constexpr double kStepOfTime = 0.1;   // between starts that are tried [s]
-constexpr double kSoon = 0.3;         // a start that is that near is now [s]
 constexpr double kAbove = 0.02;       // the safe height: where a pen from its rest goes to [m]
 constexpr double kLastOfJoin = 0.3;   // the pen is where it goes to within 6 % by then [s]
 constexpr double kWaitAbove = 0.15;   // a stroke's first point, where it will be [m]
-constexpr std::size_t kOthers = 8;    // strokes that are tried where the first cannot be followed
 constexpr double kLater = 1.0;        // the next decision, where several were tried in vain [s]
 constexpr double kAgain = 0.25;       // the next decision, where a window's edge is not clear [s]
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
-// The earliest slot of a job from `time` on.
-std::optional<StrokeSlot> slot_of(const std::vector<StrokeJob>& jobs, std::size_t job,
-                                  double time) {
-  for (const ReachWindow& w : jobs[job].windows) {
-    const double start = std::max(time, w.from);
-    if (start + jobs[job].duration <= w.until + 1e-9) return StrokeSlot{job, start, w};
-  }
-  return std::nullopt;
-}
-
-// It can be drawn beyond the horizon, too: a window is open at its end, or opened twice before.
-bool comes_again(const StrokeJob& job, double horizon) {
-  return job.windows.size() > 1 || (!job.windows.empty() && job.windows.back().until >= horizon);
-}
-
-double end_of(const StrokeSchedule& s, const std::vector<StrokeJob>& jobs) {
-  return s.slots.empty() ? 0.0 : s.slots.back().start + jobs[s.slots.back().job].duration;
-}
-
-StrokeSchedule as_planned(const std::vector<StrokeJob>& jobs, double now, double between) {
-  StrokeSchedule s;
-  double time = now;
-  for (std::size_t job = 0; job < jobs.size(); ++job) {
-    if (const auto slot = slot_of(jobs, job, time)) {
-      s.slots.push_back(*slot);
-      time = slot->start + jobs[job].duration + between;
-    } else {
-      s.lost.push_back(job);
-    }
-  }
-  return s;
-}
-
-StrokeSchedule by_deadline(const std::vector<StrokeJob>& jobs, double now, double between) {
-  StrokeSchedule s;
-  std::vector<bool> open(jobs.size(), true);
-  double time = now;
-  while (true) {
-    std::optional<StrokeSlot> best;
-    double best_deadline = kNever;
-    double earliest = kNever;  // start of any
-    for (std::size_t job = 0; job < jobs.size(); ++job)
-      if (open[job])
-        if (const auto slot = slot_of(jobs, job, time)) earliest = std::min(earliest, slot->start);
-    for (std::size_t job = 0; job < jobs.size(); ++job) {
-      if (!open[job]) continue;
-      const auto slot = slot_of(jobs, job, time);
-      if (!slot || slot->start > earliest) continue;
-      const double deadline = jobs[job].windows.back().until - jobs[job].duration;
-      if (best && deadline >= best_deadline) continue;
-      best = slot;
-      best_deadline = deadline;
-    }
-    if (!best) break;
-    open[best->job] = false;
-    s.slots.push_back(*best);
-    time = best->start + jobs[best->job].duration + between;
-  }
-  for (std::size_t job = 0; job < jobs.size(); ++job)
-    if (open[job]) s.lost.push_back(job);
-  return s;
-}
+double join_of(const CarriedPen& pen) { return pen.joined ? 0.0 : CanvasFollower::kJoin; }
 
 }  // namespace
 
@@ -109,6 +43,12 @@ TipPath CarriedPlan::plan(const std::vector<StrokePart>& parts, const Vector3d& 
                           const Vector3d& n_K, double hold) const {
   return plan_from(e_.plan.path_settings, e_.surface(), strokes_of(e_, parts), p_K, n_K, hold,
                    stroke_limits(e_.belief, e_.plan, e_.plan.path_settings));
+}
+
+// From where the pen is.
+TipPath CarriedPlan::from_here(const std::vector<StrokePart>& parts, const CarriedPen& pen) const {
+  const Pose X_KE = pen.X_WK.inverse() * pen.X_WE;
+  return plan(parts, X_KE.p, -X_KE.R.col(2), join_of(pen));
 }
 
 // The first fault of the path, if it is begun now.
@@ -141,24 +81,9 @@ std::string CarriedPlan::fault_text(int stroke, const CarriedFault& fault) const
                      first_time_ + fault.time, fault.how);
 }
 
-// Why a stroke cannot be drawn. fault: of the plan, if it is this stroke's.
-std::string CarriedPlan::lost_text(const StrokePart& part, std::optional<CarriedFault> fault_of_it,
-                                   const StrokeJob& job, const CanvasForecast& forecast,
-                                   const CarriedPen& pen) const {
-  if (!fault_of_it) {
-    const Pose X_KE = pen.X_WK.inverse() * pen.X_WE;
-    const double join = pen.joined ? 0.0 : CanvasFollower::kJoin;
-    fault_of_it = fault(plan({part}, X_KE.p, -X_KE.R.col(2), join), forecast, pen, join);
-  }
-  std::string text = fault_of_it
-                         ? fault_text(part.stroke, *fault_of_it)
-                         : fmt::format("stroke {} is out of the arm's reach once others are drawn",
-                                       number_of(part.stroke));
-  if (!job.windows.empty())
-    text += fmt::format("; it is in reach from {:.1f} to {:.1f} s",
-                        first_time_ + job.windows.front().from,
-                        first_time_ + job.windows.front().until);
-  return text;
+std::string CarriedPlan::window_text(const ReachWindow& window) const {
+  return fmt::format("is in reach from {:.1f} to {:.1f} s", first_time_ + window.from,
+                     first_time_ + window.until);
 }
 
 bool CarriedPlan::holds(const TipPath& path, double planned, const CanvasForecast& forecast,
@@ -172,156 +97,158 @@ bool CarriedPlan::holds(const TipPath& path, double planned, const CanvasForecas
                         path.strokes()[next].approach);
 }
 
+// What lies ahead of the parts that shall be drawn; one entry for each.
+struct CarriedPlan::Outlook {
+  const std::vector<StrokePart>& parts;
+  const CanvasForecast& forecast;
+  const CarriedPen& pen;
+  const PathSettings& ways;
+  Vector3d up;                       // z_P
+  CarriedFault planned;              // why they are not drawn as planned
+  std::vector<StrokeJob> jobs = {};  // and their windows
+  std::vector<Vector3d> first = {};  // where their approaches begin, in K [m]
+  double between = 0.0;              // from one's last point to the next one's approach [s]
+  double end = 0.0;                  // of the last time that was looked at [s]
+
+  // A pen at rest in W goes over to a place above the first point, and down from there.
+  double height() const { return ways.safe_height + kAbove; }
+  double down() const { return 2.0 * height() / ways.travel_speed; }
+  Vector3d above(std::size_t job) const { return first[job] + height() * up; }
+  double join_to(std::size_t job) const {
+    const double way = (forecast.at(pen.time + 2.0) * above(job) - pen.X_WE.p).norm();
+    return std::max(CanvasFollower::kJoin, 1.875 * way / ways.travel_speed);
+  }
+  // The earliest approach [s].
+  double now() const {
+    return pen.time + (pen.joined ? std::max(between, 0.5) : join_to(0) + down());
+  }
+};
+
+void CarriedPlan::look_ahead(const TipPath& planned, Outlook* ahead) const {
+  const double count = static_cast<double>(ahead->parts.size()), begin = ahead->pen.time;
+  const int places =
+      std::clamp(static_cast<int>(kMostLooks * kStepOfTime / (kHorizon * count)), 3, kPlaces);
+  const double step = std::max(kStepOfTime, count * places * kHorizon / kMostLooks);
+  const CanvasCourse course = [&](double time) { return ahead->forecast.at(time); };
+  const std::vector<StrokeTimes>& times = planned.strokes();
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const StrokePlaces of = places_of(planned, i, places);
+    ahead->jobs.push_back({of.duration, reach_windows(of, course, e_.belief.arm, ahead->pen.q,
+                                                      checks_, begin, begin + kHorizon, step)});
+    ahead->first.push_back(of.p_K.front());
+    if (i > 0) ahead->between += (times[i].approach - times[i - 1].end) / (count - 1.0);
+  }
+  ahead->end = begin + kHorizon - step;
+}
+
+// Why each of them cannot be drawn.
+std::vector<UnreachedPart> CarriedPlan::named(const std::vector<std::size_t>& lost,
+                                              const Outlook& ahead) const {
+  std::vector<UnreachedPart> all;
+  for (const std::size_t job : lost) {
+    const StrokePart& part = ahead.parts[job];
+    // Pieces that lie side by side are told as one.
+    if (!all.empty() && all.back().part.stroke == part.stroke && all.back().part.to == part.from) {
+      all.back().part.to = part.to;
+      continue;
+    }
+    std::optional<CarriedFault> why = ahead.planned;
+    if (why->stroke != job)
+      why = fault(from_here({part}, ahead.pen), ahead.forecast, ahead.pen, join_of(ahead.pen));
+    all.push_back(
+        {part, why ? fault_text(part.stroke, *why)
+                   : fmt::format("stroke {} is out of the arm's reach once others are drawn",
+                                 number_of(part.stroke))});
+    if (const std::vector<ReachWindow>& windows = ahead.jobs[job].windows; !windows.empty())
+      all.back().text += "; it " + window_text(windows.front());
+  }
+  return all;
+}
+
+// Until a part comes into reach: nearer to it, if there is time.
+void CarriedPlan::wait_for(const StrokeSlot& slot, const Outlook& ahead,
+                           CarriedDecision* out) const {
+  const CarriedPen& pen = ahead.pen;
+  out->remarks.push_back(fmt::format("stroke {} {}", number_of(ahead.parts[slot.job].stroke),
+                                     window_text(slot.window)));
+  out->until = slot.start - (ahead.join_to(slot.job) + ahead.down());
+  const Vector3d place =
+      ahead.forecast.at(slot.start) * ahead.first[slot.job] + kWaitAbove * ahead.up;
+  const double move = 1.875 * (place - pen.X_WE.p).norm() / ahead.ways.travel_speed;
+  ArmModel arm = e_.belief.arm;
+  if (pen.joined || move <= 1.0 ||
+      slot.start <= pen.time + move + CanvasFollower::kJoin + ahead.down() + kSoon ||
+      !find_posture(arm, {place, pen.X_WE.R.col(2)}, pen.q).reached)
+    return;
+  out->place_W = place;
+  out->until = pen.time + move;
+}
+
+// Lays a path to the jobs: as many of them, from the first on, as it can be followed to and along.
+// Returns false if none can.
+bool CarriedPlan::lay(const std::vector<std::size_t>& jobs, const Outlook& ahead,
+                      CarriedDecision* out) const {
+  for (const std::size_t job : jobs) out->parts.push_back(ahead.parts[job]);
+  out->join = ahead.pen.joined ? 0.0 : ahead.join_to(jobs.front());
+  while (!out->parts.empty()) {
+    // From rest, down while the last of it goes over.
+    out->path = ahead.pen.joined ? from_here(out->parts, ahead.pen)
+                                 : plan(out->parts, ahead.above(jobs.front()), ahead.up,
+                                        out->join - kLastOfJoin);
+    const std::optional<CarriedFault> why = fault(out->path, ahead.forecast, ahead.pen, out->join);
+    if (!why) return true;
+    if (out->why.empty()) out->why = fault_text(out->parts[why->stroke].stroke, *why);
+    out->parts.resize(why->stroke);
+  }
+  return false;
+}
+
 CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
                                     const CanvasForecast& forecast, const CarriedPen& pen) {
   CarriedDecision out;
   if (parts.empty()) return out;
-  const Pose X_KE = pen.X_WK.inverse() * pen.X_WE;
-  out.join = pen.joined ? 0.0 : CanvasFollower::kJoin;
-  out.path = plan(parts, X_KE.p, -X_KE.R.col(2), out.join);
   out.kind = CarriedDecision::Kind::draw;
   out.parts = parts;
+  out.join = join_of(pen);
+  out.path = from_here(parts, pen);
   const std::optional<CarriedFault> planned = fault(out.path, forecast, pen, out.join);
   if (!planned) return out;
+  const std::string why = fault_text(parts[planned->stroke].stroke, *planned);
 
-  // The windows in which each stroke is in reach.
-  const std::vector<StrokeTimes> times = out.path.strokes();
-  const double count = static_cast<double>(times.size());
-  const int places =
-      std::clamp(static_cast<int>(kMostLooks * kStepOfTime / (kHorizon * count)), 3, kPlaces);
-  const double step = std::max(kStepOfTime, count * places * kHorizon / kMostLooks);
-  const CanvasCourse course = [&](double time) { return forecast.at(time); };
-  std::vector<StrokeJob> jobs;
-  std::vector<TipReference> hover;
-  double between = 0.0;
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    const StrokePlaces of = places_of(out.path, i, places);
-    jobs.push_back({of.duration, reach_windows(of, course, e_.belief.arm, pen.q, checks_, pen.time,
-                                               pen.time + kHorizon, step)});
-    hover.push_back(out.path.at(times[i].approach).reference);
-    if (i > 0) between += (times[i].approach - times[i - 1].end) / (count - 1.0);
-  }
-
-  // A pen at rest in W goes over to a place above the first point.
-  const Vector3d up = e_.artwork.X_WP.R.col(2);
-  const double height = e_.plan.path_settings.safe_height + kAbove;
-  const auto start_of = [&](std::size_t job) { return Vector3d(hover[job].p_WD + height * up); };
-  const auto join_to = [&](std::size_t job) {
-    const double way = (forecast.at(pen.time + 2.0) * start_of(job) - pen.X_WE.p).norm();
-    return std::max(CanvasFollower::kJoin, 1.875 * way / e_.plan.path_settings.travel_speed);
-  };
-  const double down = 2.0 * height / e_.plan.path_settings.travel_speed;
-  const double lead = pen.joined ? std::max(between, 0.5) : join_to(0) + down;
-  const StrokeSchedule order = schedule_strokes(jobs, pen.time + lead, between);
-
-  out.kind = CarriedDecision::Kind::nothing;
-  out.path = {};
-  out.parts.clear();
-  const bool sure = forecast.window() >= kSure;
-  const auto is_lost = [&](std::size_t job) {
-    return sure && !comes_again(jobs[job], pen.time + kHorizon - step);
-  };
-  for (const std::size_t job : order.lost)
-    if (is_lost(job) && parts[job].length() > kShortest) out.too_long.push_back(parts[job]);
+  Outlook ahead{parts, forecast, pen, e_.plan.path_settings, e_.artwork.X_WP.R.col(2), *planned};
+  look_ahead(out.path, &ahead);
+  const StrokeChoice choice =
+      choose_strokes(ahead.jobs, ahead.now(), ahead.between, ahead.end, forecast.window() >= kSure);
+  const std::vector<StrokeSlot>& slots = choice.order.slots;
+  out = {};
+  for (const std::size_t job : choice.lost)
+    if (parts[job].length() > kShortest) out.too_long.push_back(parts[job]);
   if (!out.too_long.empty()) return out;
-  for (const std::size_t job : order.lost) {
-    if (!is_lost(job)) continue;
-    // Pieces that lie side by side are told as one.
-    if (!out.lost.empty() && out.lost.back().part.stroke == parts[job].stroke &&
-        out.lost.back().part.to == parts[job].from)
-      out.lost.back().part.to = parts[job].to;
-    else
-      out.lost.push_back(
-          {parts[job], lost_text(parts[job], planned->stroke == job ? planned : std::nullopt,
-                                 jobs[job], forecast, pen)});
-  }
-  if (order.slots.empty()) {
-    if (std::ranges::all_of(order.lost, is_lost)) return out;
-    out.kind = CarriedDecision::Kind::wait;
-    out.until = pen.time + 2.0 * kAgain;
-    out.why = fault_text(parts[planned->stroke].stroke, *planned);
-    return out;
-  }
+  out.lost = named(choice.lost, ahead);
+  if (choice.lost.size() == parts.size()) return out;
 
-  const StrokeSlot& first = order.slots.front();
-  if (first.start > pen.time + lead + kSoon) {
-    out.kind = CarriedDecision::Kind::wait;
-    out.until = first.start - (join_to(first.job) + down);
-    // Nearer, if there is time.
-    const Vector3d place = forecast.at(first.start) * hover[first.job].p_WD + kWaitAbove * up;
-    ArmModel arm = e_.belief.arm;
-    const double move = 1.875 * (place - pen.X_WE.p).norm() / e_.plan.path_settings.travel_speed;
-    if (!pen.joined && move > 1.0 &&
-        first.start > pen.time + move + CanvasFollower::kJoin + down + kSoon &&
-        find_posture(arm, {place, pen.X_WE.R.col(2)}, pen.q).reached) {
-      out.place_W = place;
-      out.until = pen.time + move;
-    }
-    out.remarks.push_back(fmt::format(
-        "stroke {} is in reach from {:.1f} to {:.1f} s", number_of(parts[first.job].stroke),
-        first_time_ + first.window.from, first_time_ + first.window.until));
-    out.why = fault_text(parts[planned->stroke].stroke, *planned);
-    return out;
-  }
-
-  // As many of the parts, from the first on, as a path to them and along them can be followed.
-  const auto lay = [&](std::size_t first_job) {
-    while (!out.parts.empty()) {
-      if (pen.joined) {
-        out.path = plan(out.parts, X_KE.p, -X_KE.R.col(2), 0.0);
-      } else {
-        out.join = join_to(first_job);
-        // Down while the last of it goes over.
-        out.path = plan(out.parts, start_of(first_job), up, out.join - kLastOfJoin);
-      }
-      const std::optional<CarriedFault> why = fault(out.path, forecast, pen, out.join);
-      if (!why) return true;
-      if (out.why.empty()) out.why = fault_text(out.parts[why->stroke].stroke, *why);
-      out.parts.resize(why->stroke);
-    }
-    return false;
-  };
-  double end = first.start;
-  for (const StrokeSlot& slot : order.slots) {
-    if (slot.start > end + between + kSoon) break;
-    out.parts.push_back(parts[slot.job]);
-    end = slot.start + jobs[slot.job].duration;
-  }
-  bool laid = lay(first.job);
-  if (!laid) out.in_vain = {parts[first.job]};
   // A place may be in reach, and yet not from the posture in which the arm is: others come first.
-  for (std::size_t k = 1; !laid && k < std::min(order.slots.size(), kOthers); ++k) {
-    const std::size_t job = order.slots[k].job;
-    const auto soon = slot_of(jobs, job, pen.time + lead);
-    if (!soon || soon->start > pen.time + lead + kSoon) continue;
-    out.parts = {parts[job]};
-    laid = lay(job);
-    if (!laid) out.in_vain.push_back(parts[job]);
+  for (const std::vector<std::size_t>& jobs : choice.now) {
+    if (lay(jobs, ahead, &out)) {
+      out.kind = CarriedDecision::Kind::draw;
+      if (out.parts.front().stroke != parts.front().stroke &&
+          !std::ranges::count(choice.order.lost, std::size_t{0}))
+        out.remarks.push_back(fmt::format("stroke {} is drawn first: as planned, {}",
+                                          number_of(out.parts.front().stroke), why));
+      return out;
+    }
+    out.in_vain.push_back(parts[jobs.front()]);
   }
-  if (!laid) {
-    if (parts[first.job].length() > kShortest) out.too_long.push_back(parts[first.job]);
-    out.kind = CarriedDecision::Kind::wait;
+  out.kind = CarriedDecision::Kind::wait;
+  if (out.in_vain.empty()) {
+    out.why = why;
+    out.until = pen.time + 2.0 * kAgain;
+    if (!slots.empty()) wait_for(slots.front(), ahead, &out);
+  } else {
     out.until = pen.time + (out.in_vain.size() > 1 ? kLater : kAgain);
-    return out;
+    if (out.in_vain.front().length() > kShortest) out.too_long.push_back(out.in_vain.front());
   }
-  out.kind = CarriedDecision::Kind::draw;
-  const bool reordered =
-      out.parts.front().stroke != parts.front().stroke &&
-      std::none_of(order.lost.begin(), order.lost.end(), [](std::size_t job) { return job == 0; });
-  if (reordered)
-    out.remarks.push_back(fmt::format("stroke {} is drawn first: as planned, {}",
-                                      number_of(out.parts.front().stroke),
-                                      fault_text(parts[planned->stroke].stroke, *planned)));
   return out;
-}
-
-StrokeSchedule schedule_strokes(const std::vector<StrokeJob>& jobs, double now, double between) {
-  StrokeSchedule planned = as_planned(jobs, now, between),
-                 hurried = by_deadline(jobs, now, between);
-  const bool fewer = hurried.lost.size() < planned.lost.size();
-  const bool sooner = hurried.lost.size() == planned.lost.size() &&
-                      end_of(hurried, jobs) < end_of(planned, jobs) - kWorth;
-  return fewer || sooner ? hurried : planned;
 }
 
 }  // namespace impedraw

@@ -1,15 +1,13 @@
 // Decides what to draw next on a canvas that moves: the pre-flight over the envelope of its motion.
 //
-// The strokes are known in the canvas's frame K; where K will be is forecast from what has been
-// estimated (canvas_forecast.h). Before the first stroke, and again before each one, the plan is
-// checked where the canvas will be while it is followed (carried_path.h), kHorizon ahead. Where the
-// planned order holds, it is drawn. Where it does not, each stroke's windows of reach are found and
-// the strokes are put in another order (carried_plan.h); the pen waits, up and at rest in W,
-// until the next one comes into reach. What fits nowhere is cut, down to kShortest, and then named,
-// with when and how far; unless it comes into reach again and again, or still does at the horizon.
+// The strokes are known in the canvas's frame K; where K will be is forecast (canvas_forecast.h).
+// Before the first stroke, and again before each one, the plan is checked where the canvas will be
+// while it is followed (carried_path.h), kHorizon ahead. Where the planned order does not hold,
+// each stroke's windows of reach are found, and another order (stroke_schedule.h); the pen waits,
+// up and at rest in W, until the next stroke comes into reach. What fits nowhere is cut, down to
+// kShortest, and then named, with when and how far.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,36 +16,9 @@
 #include "impedraw/perception/canvas_forecast.h"
 #include "impedraw/planning/preflight/carried_path.h"
 #include "impedraw/planning/stroke_part.h"
+#include "impedraw/run/stroke_schedule.h"
 
 namespace impedraw {
-
-// The order in which strokes are drawn on a canvas that moves, where the planned one does not hold.
-//
-// Each stroke takes its time, and can be drawn in windows of time alone (reach_windows()). Two
-// orders are tried: the planned one, each stroke as early as it can be; and earliest deadline
-// first, which takes of the strokes that can be begun the one that will be out of reach soonest.
-// The order that leaves out fewer strokes counts; of two equal ones that which ends earlier, the
-// planned one unless it costs more than kWorth.
-struct StrokeJob {
-  double duration = 0.0;             // from the approach to the last point [s]
-  std::vector<ReachWindow> windows;  // in order
-};
-
-struct StrokeSlot {
-  std::size_t job = 0;
-  double start = 0.0;  // of its approach [s]
-  ReachWindow window;
-};
-
-struct StrokeSchedule {
-  std::vector<StrokeSlot> slots;  // in order of time
-  std::vector<std::size_t> lost;  // jobs that fit nowhere
-};
-
-inline constexpr double kWorth = 1.0;  // [s]
-
-// now: earliest start [s]; between: from one stroke's last point to the next one's approach [s].
-StrokeSchedule schedule_strokes(const std::vector<StrokeJob>& jobs, double now, double between);
 
 // A part that cannot be drawn, as the canvas moves.
 struct UnreachedPart {
@@ -102,14 +73,20 @@ class CarriedPlan {
   int number_of(int stroke) const;
 
  private:
+  struct Outlook;
+
   TipPath plan(const std::vector<StrokePart>& parts, const Eigen::Vector3d& p_K,
                const Eigen::Vector3d& n_K, double hold) const;
   std::optional<CarriedFault> fault(const TipPath& path, const CanvasForecast& forecast,
                                     const CarriedPen& pen, double join) const;
-  std::string lost_text(const StrokePart& part, std::optional<CarriedFault> fault_of_it,
-                        const StrokeJob& job, const CanvasForecast& forecast,
-                        const CarriedPen& pen) const;
+  void look_ahead(const TipPath& planned, Outlook* ahead) const;
+  TipPath from_here(const std::vector<StrokePart>& parts, const CarriedPen& pen) const;
+  std::vector<UnreachedPart> named(const std::vector<std::size_t>& lost,
+                                   const Outlook& ahead) const;
+  void wait_for(const StrokeSlot& slot, const Outlook& ahead, CarriedDecision* out) const;
+  bool lay(const std::vector<std::size_t>& jobs, const Outlook& ahead, CarriedDecision* out) const;
   std::string fault_text(int stroke, const CarriedFault& fault) const;
+  std::string window_text(const ReachWindow& window) const;
 
   const Experiment& e_;
   double first_time_;

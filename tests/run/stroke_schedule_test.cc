@@ -1,5 +1,5 @@
-// Orders of strokes with windows, against trying every order.
-#include "impedraw/run/carried_plan.h"
+// Orders of strokes with windows, and what is begun now, against every order and every start.
+#include "impedraw/run/stroke_schedule.h"
 
 #include <algorithm>
 #include <numeric>
@@ -83,6 +83,82 @@ TEST(StrokeSchedule, RandomWindowsAgainstAllOrders) {
     worse += s.slots.size() < best;
   }
   EXPECT_LE(worse, static_cast<int>(count / 10));
+}
+
+// Windows on a grid, so that trying every start is exact.
+std::vector<StrokeJob> jobs_on_grid(std::mt19937* random) {
+  const auto whole = [&](unsigned from, unsigned to) { return from + (*random)() % (to - from); };
+  std::vector<StrokeJob> jobs(whole(1, 5));
+  for (StrokeJob& job : jobs) {
+    job.duration = whole(1, 4);
+    for (double t = whole(0, 12); t < 20.0 && whole(0, 4) > 0; t += whole(1, 8)) {
+      job.windows.push_back({t, t + job.duration + whole(0, 6)});
+      t = job.windows.back().until;
+    }
+  }
+  return jobs;
+}
+
+bool fits(const StrokeJob& job, double start) {
+  return std::ranges::any_of(job.windows, [&](const ReachWindow& w) {
+    return start >= w.from && start + job.duration <= w.until;
+  });
+}
+
+// What is begun now, what is waited for and what is lost, against every start.
+TEST(StrokeSchedule, ChoicesAreThoseOfEveryStart) {
+  constexpr double kBetween = 1.0, kHorizon = 24.0;
+  for (unsigned seed = 0; seed < seeds(300, 5000); ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    const std::vector<StrokeJob> jobs = jobs_on_grid(&random);
+    const double now = random() % 8;
+    const StrokeChoice choice = choose_strokes(jobs, now, kBetween, kHorizon, true);
+    const auto can_begin = [&](std::size_t job, double from, double to) {
+      for (double t = from; t <= to; t += 1.0)
+        if (fits(jobs[job], t)) return true;
+      return false;
+    };
+    // Lost for good: in no slot, and in reach neither at the horizon nor twice.
+    std::vector<bool> drawn(jobs.size());
+    for (const StrokeSlot& slot : choice.order.slots) drawn[slot.job] = true;
+    for (std::size_t job = 0; job < jobs.size(); ++job) {
+      int openings = 0;
+      for (double t = 0.0; t <= 40.0; t += 1.0)
+        openings += fits(jobs[job], t) && !fits(jobs[job], t - 1.0);
+      const bool again = openings > 1 || can_begin(job, kHorizon - jobs[job].duration, 40.0);
+      EXPECT_EQ(std::ranges::count(choice.lost, job), !drawn[job] && !again) << job;
+      if (jobs.size() == 1) {
+        EXPECT_EQ(drawn[job], can_begin(job, now, 40.0));
+      }
+    }
+    EXPECT_TRUE(choose_strokes(jobs, now, kBetween, kHorizon, false).lost.empty());
+    // Begun now: the first of the order, if it can be, and others that can be now.
+    if (choice.order.slots.empty()) {
+      EXPECT_TRUE(choice.now.empty());
+      continue;
+    }
+    const StrokeSlot& first = choice.order.slots.front();
+    double earliest = now;
+    while (!fits(jobs[first.job], earliest)) earliest += 1.0;
+    EXPECT_EQ(first.start, earliest);
+    ASSERT_EQ(choice.now.empty(), earliest > now);
+    if (choice.now.empty()) continue;
+    double time = now;
+    for (const std::size_t job : choice.now.front()) {
+      EXPECT_TRUE(fits(jobs[job], time)) << job << ": without a wait";
+      time += jobs[job].duration + kBetween;
+    }
+    std::vector<std::size_t> alone, expected;
+    for (std::size_t k = 1; k < choice.now.size(); ++k) {
+      ASSERT_EQ(choice.now[k].size(), 1u);
+      alone.push_back(choice.now[k].front());
+    }
+    for (std::size_t k = 1; k < choice.order.slots.size(); ++k)
+      if (const std::size_t job = choice.order.slots[k].job; fits(jobs[job], now))
+        expected.push_back(job);
+    EXPECT_EQ(alone, expected);
+  }
 }
 
 }  // namespace

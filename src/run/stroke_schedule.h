@@ -1,0 +1,122 @@
+// Which stroke is drawn next on a canvas that moves, and from when.
+//
+// Each stroke takes its time, and can be drawn in windows of time alone (reach_windows()). Two
+// orders are tried: the planned one, each stroke as early as it can be; and earliest deadline
+// first, which takes of the strokes that can be begun the one that will be out of reach soonest.
+// The order that leaves out fewer strokes counts; of two equal ones that which ends earlier, the
+// planned one unless it costs more than kWorth.
+//
+// A stroke that this order leaves out is not lost where it can be drawn beyond the horizon, too: a
+// window is open there, or opened twice before.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "impedraw/planning/preflight/carried_path.h"
+
+namespace impedraw {
+
+struct StrokeJob {
+  double duration = 0.0;             // from the approach to the last point [s]
+  std::vector<ReachWindow> windows;  // in order
+};
+
+struct StrokeSlot {
+  std::size_t job = 0;
+  double start = 0.0;  // of its approach [s]
+  ReachWindow window;
+};
+
+struct StrokeSchedule {
+  std::vector<StrokeSlot> slots;  // in order of time
+  std::vector<std::size_t> lost;  // jobs that fit nowhere
+  double end = 0.0;               // of the last stroke [s]
+};
+
+struct StrokeChoice {
+  StrokeSchedule order;
+  std::vector<std::size_t> lost;  // of order.lost: for good
+  // What can be begun now, best first: the first of the order and those that follow it without a
+  // wait; then each of those that come later, alone. Empty: the first is to be waited for.
+  std::vector<std::vector<std::size_t>> now;
+};
+
+inline constexpr double kWorth = 1.0;           // [s]
+inline constexpr double kSoon = 0.3;            // a start that is so near is now [s]
+inline constexpr std::size_t kMostChoices = 8;  // of StrokeChoice::now
+
+// The earliest slot of a job from `time` on.
+inline std::optional<StrokeSlot> slot_of(const std::vector<StrokeJob>& jobs, std::size_t job,
+                                         double time) {
+  for (const ReachWindow& w : jobs[job].windows) {
+    const double start = std::max(time, w.from);
+    if (start + jobs[job].duration <= w.until + 1e-9) return StrokeSlot{job, start, w};
+  }
+  return std::nullopt;
+}
+
+// One of the two orders.
+inline StrokeSchedule schedule_in_order(const std::vector<StrokeJob>& jobs, double now,
+                                        double between, bool by_deadline) {
+  StrokeSchedule s;
+  std::vector<bool> open(jobs.size(), true);
+  const auto urgency = [&](const StrokeSlot& slot) {
+    return std::pair(slot.start, jobs[slot.job].windows.back().until - jobs[slot.job].duration);
+  };
+  for (double time = now;;) {
+    std::optional<StrokeSlot> best;
+    for (std::size_t job = 0; job < jobs.size() && (by_deadline || !best); ++job) {
+      if (!open[job]) continue;
+      const std::optional<StrokeSlot> slot = slot_of(jobs, job, time);
+      if (slot && (!best || urgency(*slot) < urgency(*best))) best = slot;
+    }
+    if (!best) break;
+    open[best->job] = false;
+    s.slots.push_back(*best);
+    s.end = best->start + jobs[best->job].duration;
+    time = s.end + between;
+  }
+  for (std::size_t job = 0; job < jobs.size(); ++job)
+    if (open[job]) s.lost.push_back(job);
+  return s;
+}
+
+// now: earliest start [s]; between: from one stroke's last point to the next one's approach [s].
+inline StrokeSchedule schedule_strokes(const std::vector<StrokeJob>& jobs, double now,
+                                       double between) {
+  StrokeSchedule planned = schedule_in_order(jobs, now, between, false),
+                 hurried = schedule_in_order(jobs, now, between, true);
+  const bool better = std::pair(hurried.lost.size(), hurried.end + kWorth) <
+                      std::pair(planned.lost.size(), planned.end);
+  return better ? hurried : planned;
+}
+
+// horizon: until when windows were looked for [s]. sure: a verdict is final; else no job is lost.
+inline StrokeChoice choose_strokes(const std::vector<StrokeJob>& jobs, double now, double between,
+                                   double horizon, bool sure) {
+  StrokeChoice choice{schedule_strokes(jobs, now, between), {}, {}};
+  for (const std::size_t job : choice.order.lost) {
+    const std::vector<ReachWindow>& w = jobs[job].windows;
+    const bool again = w.size() > 1 || (!w.empty() && w.back().until >= horizon);
+    if (sure && !again) choice.lost.push_back(job);
+  }
+  const std::vector<StrokeSlot>& slots = choice.order.slots;
+  if (slots.empty() || slots.front().start > now + kSoon) return choice;
+  choice.now.emplace_back();
+  for (double end = slots.front().start; const StrokeSlot& slot : slots) {
+    if (slot.start > end + between + kSoon) break;
+    choice.now.front().push_back(slot.job);
+    end = slot.start + jobs[slot.job].duration;
+  }
+  for (std::size_t k = 1; k < std::min(slots.size(), kMostChoices); ++k) {
+    const std::optional<StrokeSlot> soon = slot_of(jobs, slots[k].job, now);
+    if (soon && soon->start <= now + kSoon) choice.now.push_back({soon->job});
+  }
+  return choice;
+}
+
+}  // namespace impedraw
