@@ -6,6 +6,7 @@
 
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/frames.hpp>
+#include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
 #include <pinocchio/multibody/data.hpp>
 
@@ -137,16 +138,30 @@ void ArmModel::compute(const JointVector& q, const JointVector& v, ArmTerms* ter
   }
   if (d.damped) t.Cv += d.urdf.model.damping.cwiseProduct(v);
 
-  const pinocchio::Frame& tip = d.urdf.model.frames[d.tip];
-  const pinocchio::SE3 X_WE = w.data.oMi[tip.parentJoint] * tip.placement;
-  t.X_WE = {X_WE.translation(), X_WE.rotation()};
+  move_tip(terms);
   t.V_WE << link.v_at(t.X_WE.p), link.w;
   t.Jdot_v << link.a_at(t.X_WE.p), link.alpha;
+}
 
-  // Columns of the world-frame Jacobian, moved to E's origin.
-  t.J.bottomRows<3>() = J_angular;
-  for (int i = 0; i < n; ++i)
-    t.J.col(i).head<3>() = J_linear.col(i) + J_angular.col(i).cross(X_WE.translation());
+void ArmModel::place(const JointVector& q, ArmTerms* terms) noexcept {
+  Workspace& w = *workspace_;
+  w.q = q;
+  terms->q = q;
+  pinocchio::computeJointJacobians(description_->urdf.model, w.data, PrebuiltVector(w.q));
+  move_tip(terms);
+}
+
+// X_WE and J, of the joints' placements and world-frame Jacobian.
+void ArmModel::move_tip(ArmTerms* terms) const noexcept {
+  const Workspace& w = *workspace_;
+  const pinocchio::Frame& tip = description_->urdf.model.frames[description_->tip];
+  const pinocchio::SE3 X_WE = w.data.oMi[tip.parentJoint] * tip.placement;
+  terms->X_WE = {X_WE.translation(), X_WE.rotation()};
+  // Its columns, moved to E's origin.
+  const auto J_linear = w.data.J.topRows<3>(), J_angular = w.data.J.bottomRows<3>();
+  terms->J.bottomRows<3>() = J_angular;
+  for (Eigen::Index i = 0; i < terms->J.cols(); ++i)
+    terms->J.col(i).head<3>() = J_linear.col(i) + J_angular.col(i).cross(X_WE.translation());
 }
 
 Pose ArmModel::tip_pose(const JointVector& q) {

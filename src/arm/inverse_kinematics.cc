@@ -13,7 +13,6 @@ IkResult find_posture(ArmModel& arm, const PenPlacement& desired, const JointVec
                       const IkSettings& settings) {
   const int n = arm.joints();
   const JointVector lower = arm.limits().lower, upper = arm.limits().upper;
-  const JointVector rest = JointVector::Zero(n);
   ArmTerms terms(n);
   IkResult result;
   result.q = seed.cwiseMax(lower).cwiseMin(upper);
@@ -21,7 +20,7 @@ IkResult find_posture(ArmModel& arm, const PenPlacement& desired, const JointVec
   double best = std::numeric_limits<double>::infinity();
 
   for (int step = 0; step < settings.max_steps; ++step) {
-    arm.compute(q, rest, &terms);
+    arm.place(q, &terms);
     const Eigen::Vector3d z = terms.X_WE.R.col(2);
     const Eigen::Vector3d cross = z.cross(desired.z_WE);
     double angle = std::atan2(cross.norm(), z.dot(desired.z_WE));

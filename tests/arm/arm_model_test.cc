@@ -63,6 +63,22 @@ TEST(ArmModel, AgreesWithMujocoOnEveryTerm) {
   }
 }
 
+// Bit by bit: what is planned does not depend on which of the two was asked.
+TEST(ArmModel, PlacesTheTipAsWithAllTerms) {
+  ArmModel arm(kArm);
+  ArmTerms all(7), placed(7);
+  std::mt19937 rng(11);
+  for (int i = 0; i < kStates; ++i) {
+    const RandomState s = random_state(rng, arm.limits());
+    arm.compute(s.q, s.v, &all);
+    arm.place(s.q, &placed);
+    EXPECT_EQ(placed.q, all.q);
+    EXPECT_EQ(placed.X_WE.p, all.X_WE.p);
+    EXPECT_EQ(placed.X_WE.R, all.X_WE.R);
+    EXPECT_EQ(placed.J, all.J);
+  }
+}
+
 TEST(ArmModel, DriftIsTheDerivativeOfTheJacobian) {
   ArmModel arm(kArm);
   ArmTerms now(7), before(7), after(7);
