@@ -1,6 +1,7 @@
 #include "impedraw/run/carried_plan.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -13,14 +14,17 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kPlaces = 7;            // along a stroke, at most
-constexpr double kMostLooks = 12000;  // postures of all windows together
-constexpr double kStepOfTime = 0.1;   // between starts that are tried [s]
-constexpr double kAbove = 0.02;       // the safe height: where a pen from its rest goes to [m]
-constexpr double kLastOfJoin = 0.3;   // the pen is where it goes to within 6 % by then [s]
-constexpr double kWaitAbove = 0.15;   // a stroke's first point, where it will be [m]
-constexpr double kLater = 1.0;        // the next decision, where several were tried in vain [s]
-constexpr double kAgain = 0.25;       // the next decision, where a window's edge is not clear [s]
+constexpr double kMostLooks = 2e5;   // places of all strokes at all times together
+constexpr double kStepOfTime = 0.1;  // between starts that are tried, at least [s]
+constexpr double kAbove = 0.02;      // the safe height: where a pen from its rest goes to [m]
+constexpr double kLastOfJoin = 0.3;  // the pen is where it goes to within 6 % by then [s]
+constexpr double kWaitAbove = 0.15;  // a stroke's first point, where it will be [m]
+constexpr double kLater = 1.0;       // the next decision, where several were tried in vain [s]
+constexpr double kAgain = 0.25;      // the next decision, where a window's edge is not clear [s]
+
+bool adjoin(const StrokePart& a, const StrokePart& b) {
+  return a.stroke == b.stroke && a.to == b.from;
+}
 
 double join_of(const CarriedPen& pen) { return pen.joined ? 0.0 : CanvasFollower::kJoin; }
 
@@ -30,8 +34,8 @@ CarriedPlan::CarriedPlan(const Experiment& experiment, double first_time)
     : e_(experiment),
       first_time_(first_time),
       checks_(preflight_settings(experiment.scenario, experiment.artwork.X_WP,
-                                 experiment.belief.perception != nullptr, experiment.plan.rest_q)) {
-}
+                                 experiment.belief.perception != nullptr, experiment.plan.rest_q)),
+      reach_(experiment.belief.arm, experiment.belief.start_q, checks_) {}
 
 int CarriedPlan::number_of(int stroke) const {
   const Plan& plan = e_.plan;
@@ -124,21 +128,33 @@ struct CarriedPlan::Outlook {
   }
 };
 
-void CarriedPlan::look_ahead(const TipPath& planned, Outlook* ahead) const {
-  const double count = static_cast<double>(ahead->parts.size()), begin = ahead->pen.time;
-  const int places =
-      std::clamp(static_cast<int>(kMostLooks * kStepOfTime / (kHorizon * count)), 3, kPlaces);
-  const double step = std::max(kStepOfTime, count * places * kHorizon / kMostLooks);
-  const CanvasCourse course = [&](double time) { return ahead->forecast.at(time); };
+void CarriedPlan::look_ahead(const TipPath& planned, Outlook* ahead) {
   const std::vector<StrokeTimes>& times = planned.strokes();
+  double drawn = 0.0;  // by strokes that may fit [s]
+  for (const StrokeTimes& s : times)
+    if (s.end - s.approach < kHorizon) drawn += s.end - s.approach;
+  CanvasPoses canvas{
+      ahead->pen.time, std::max(kStepOfTime, std::sqrt(drawn * kHorizon / kMostLooks)), {}};
+  for (double t = 0.0; t <= kHorizon; t += canvas.step)
+    canvas.X_WK.push_back(ahead->forecast.at(canvas.begin + t));
   for (std::size_t i = 0; i < times.size(); ++i) {
-    const StrokePlaces of = places_of(planned, i, places);
-    ahead->jobs.push_back({of.duration, reach_windows(of, course, e_.belief.arm, ahead->pen.q,
-                                                      checks_, begin, begin + kHorizon, step)});
-    ahead->first.push_back(of.p_K.front());
-    if (i > 0) ahead->between += (times[i].approach - times[i - 1].end) / (count - 1.0);
+    const auto& [number, approach, start, end, length] = times[i];
+    ahead->jobs.push_back({end - approach, reach_.windows(planned, i, canvas), start - approach,
+                           i > 0 && adjoin(ahead->parts[i - 1], ahead->parts[i])});
+    ahead->first.push_back(planned.at(approach).reference.p_WD);
+    if (i > 0)
+      ahead->between += (approach - times[i - 1].end) / static_cast<double>(times.size() - 1);
   }
-  ahead->end = begin + kHorizon - step;
+  ahead->end = canvas.begin + kHorizon - 2.0 * canvas.step;
+}
+
+std::string CarriedPlan::reason(const StrokePart& part, const CanvasForecast& forecast,
+                                const CarriedPen& pen) const {
+  const std::optional<CarriedFault> why =
+      fault(from_here({part}, pen), forecast, pen, join_of(pen));
+  return why ? fault_text(part.stroke, *why)
+             : fmt::format("stroke {} is out of the arm's reach once others are drawn",
+                           number_of(part.stroke));
 }
 
 // Why each of them cannot be drawn.
@@ -148,30 +164,22 @@ std::vector<UnreachedPart> CarriedPlan::named(const std::vector<std::size_t>& lo
   for (const std::size_t job : lost) {
     const StrokePart& part = ahead.parts[job];
     // Pieces that lie side by side are told as one.
-    if (!all.empty() && all.back().part.stroke == part.stroke && all.back().part.to == part.from) {
+    if (!all.empty() && adjoin(all.back().part, part)) {
       all.back().part.to = part.to;
       continue;
     }
-    std::optional<CarriedFault> why = ahead.planned;
-    if (why->stroke != job)
-      why = fault(from_here({part}, ahead.pen), ahead.forecast, ahead.pen, join_of(ahead.pen));
-    all.push_back(
-        {part, why ? fault_text(part.stroke, *why)
-                   : fmt::format("stroke {} is out of the arm's reach once others are drawn",
-                                 number_of(part.stroke))});
+    all.push_back({part, ahead.planned.stroke == job ? fault_text(part.stroke, ahead.planned)
+                                                     : reason(part, ahead.forecast, ahead.pen)});
     if (const std::vector<ReachWindow>& windows = ahead.jobs[job].windows; !windows.empty())
       all.back().text += "; it " + window_text(windows.front());
   }
   return all;
 }
 
-// Until a part comes into reach: nearer to it, if there is time.
-void CarriedPlan::wait_for(const StrokeSlot& slot, const Outlook& ahead,
-                           CarriedDecision* out) const {
+// Where to wait for a part: nearer to it, if there is time, as the arm reaches further from there.
+void CarriedPlan::wait_near(const StrokeSlot& slot, const Outlook& ahead,
+                            CarriedDecision* out) const {
   const CarriedPen& pen = ahead.pen;
-  out->remarks.push_back(fmt::format("stroke {} {}", number_of(ahead.parts[slot.job].stroke),
-                                     window_text(slot.window)));
-  out->until = slot.start - (ahead.join_to(slot.job) + ahead.down());
   const Vector3d place =
       ahead.forecast.at(slot.start) * ahead.first[slot.job] + kWaitAbove * ahead.up;
   const double move = 1.875 * (place - pen.X_WE.p).norm() / ahead.ways.travel_speed;
@@ -186,20 +194,30 @@ void CarriedPlan::wait_for(const StrokeSlot& slot, const Outlook& ahead,
 
 // Lays a path to the jobs: as many of them, from the first on, as it can be followed to and along.
 // Returns false if none can.
-bool CarriedPlan::lay(const std::vector<std::size_t>& jobs, const Outlook& ahead,
+bool CarriedPlan::lay(std::vector<std::size_t> jobs, const Outlook& ahead,
                       CarriedDecision* out) const {
-  for (const std::size_t job : jobs) out->parts.push_back(ahead.parts[job]);
   out->join = ahead.pen.joined ? 0.0 : ahead.join_to(jobs.front());
-  while (!out->parts.empty()) {
+  while (!jobs.empty()) {
+    out->parts.clear();
+    std::vector<std::size_t> last;  // of each part: its last job
+    for (std::size_t k = 0; k < jobs.size(); ++k) {
+      const StrokePart& part = ahead.parts[jobs[k]];
+      if (out->parts.empty() || !adjoin(out->parts.back(), part)) {
+        out->parts.push_back(part);
+        last.emplace_back();
+      }
+      out->parts.back().to = part.to;
+      last.back() = k;
+    }
     // From rest, down while the last of it goes over.
     out->path = ahead.pen.joined ? from_here(out->parts, ahead.pen)
                                  : plan(out->parts, ahead.above(jobs.front()), ahead.up,
                                         out->join - kLastOfJoin);
     const std::optional<CarriedFault> why = fault(out->path, ahead.forecast, ahead.pen, out->join);
     if (!why) return true;
-    if (out->why.empty()) out->why = fault_text(out->parts[why->stroke].stroke, *why);
-    out->parts.resize(why->stroke);
+    jobs.resize(last[why->stroke]);
   }
+  out->parts.clear();
   return false;
 }
 
@@ -213,8 +231,6 @@ CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
   out.path = from_here(parts, pen);
   const std::optional<CarriedFault> planned = fault(out.path, forecast, pen, out.join);
   if (!planned) return out;
-  const std::string why = fault_text(parts[planned->stroke].stroke, *planned);
-
   Outlook ahead{parts, forecast, pen, e_.plan.path_settings, e_.artwork.X_WP.R.col(2), *planned};
   look_ahead(out.path, &ahead);
   const StrokeChoice choice =
@@ -234,19 +250,26 @@ CarriedDecision CarriedPlan::decide(const std::vector<StrokePart>& parts,
       if (out.parts.front().stroke != parts.front().stroke &&
           !std::ranges::count(choice.order.lost, std::size_t{0}))
         out.remarks.push_back(fmt::format("stroke {} is drawn first: as planned, {}",
-                                          number_of(out.parts.front().stroke), why));
+                                          number_of(out.parts.front().stroke),
+                                          fault_text(parts[planned->stroke].stroke, *planned)));
       return out;
     }
     out.in_vain.push_back(parts[jobs.front()]);
   }
   out.kind = CarriedDecision::Kind::wait;
   if (out.in_vain.empty()) {
-    out.why = why;
     out.until = pen.time + 2.0 * kAgain;
-    if (!slots.empty()) wait_for(slots.front(), ahead, &out);
+    if (slots.empty()) return out;
+    const StrokeSlot& first = slots.front();
+    out.remarks.push_back(
+        fmt::format("stroke {} {}", number_of(parts[first.job].stroke), window_text(first.window)));
+    out.until = first.start - (ahead.join_to(first.job) + ahead.down());
+    wait_near(first, ahead, &out);
   } else {
     out.until = pen.time + (out.in_vain.size() > 1 ? kLater : kAgain);
     if (out.in_vain.front().length() > kShortest) out.too_long.push_back(out.in_vain.front());
+    if (const auto next = slot_of(ahead.jobs, slots.front().job, ahead.now() + 2.0 * kLater))
+      wait_near(*next, ahead, &out);
   }
   return out;
 }

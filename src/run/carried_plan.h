@@ -37,7 +37,6 @@ struct CarriedDecision {
   double join = 0.0;              // a pen at rest goes over to the path within this time [s]
   double until = 0.0;             // [s]
   std::optional<Eigen::Vector3d> place_W;  // where to wait; nothing: where the pen is [m]
-  std::string why;                         // reason for not drawing as planned
   std::vector<UnreachedPart> lost;         // parts given up for good
   std::vector<StrokePart> too_long;        // parts that fit nowhere as a whole: to be cut first
   std::vector<StrokePart> in_vain;         // parts that were tried now: others first, next time
@@ -69,6 +68,10 @@ class CarriedPlan {
   bool holds(const TipPath& path, double planned, const CanvasForecast& forecast,
              const CarriedPen& pen);
 
+  // Why a part cannot be drawn from where the pen is.
+  std::string reason(const StrokePart& part, const CanvasForecast& forecast,
+                     const CarriedPen& pen) const;
+
   // The artwork's number of a promised stroke.
   int number_of(int stroke) const;
 
@@ -79,18 +82,19 @@ class CarriedPlan {
                const Eigen::Vector3d& n_K, double hold) const;
   std::optional<CarriedFault> fault(const TipPath& path, const CanvasForecast& forecast,
                                     const CarriedPen& pen, double join) const;
-  void look_ahead(const TipPath& planned, Outlook* ahead) const;
+  void look_ahead(const TipPath& planned, Outlook* ahead);
   TipPath from_here(const std::vector<StrokePart>& parts, const CarriedPen& pen) const;
   std::vector<UnreachedPart> named(const std::vector<std::size_t>& lost,
                                    const Outlook& ahead) const;
-  void wait_for(const StrokeSlot& slot, const Outlook& ahead, CarriedDecision* out) const;
-  bool lay(const std::vector<std::size_t>& jobs, const Outlook& ahead, CarriedDecision* out) const;
+  void wait_near(const StrokeSlot& slot, const Outlook& ahead, CarriedDecision* out) const;
+  bool lay(std::vector<std::size_t> jobs, const Outlook& ahead, CarriedDecision* out) const;
   std::string fault_text(int stroke, const CarriedFault& fault) const;
   std::string window_text(const ReachWindow& window) const;
 
   const Experiment& e_;
   double first_time_;
   PreflightSettings checks_;
+  ReachMap reach_;
 };
 
 }  // namespace impedraw

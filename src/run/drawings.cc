@@ -11,10 +11,11 @@
 namespace impedraw {
 namespace {
 
-// It is one of the parts; parts of a stroke begin at different places.
+// It is one of the parts, or a piece of one.
 bool is_among(const StrokePart& part, const std::vector<StrokePart>& parts) {
-  return std::ranges::any_of(
-      parts, [&](const StrokePart& p) { return p.stroke == part.stroke && p.from == part.from; });
+  return std::ranges::any_of(parts, [&](const StrokePart& p) {
+    return p.stroke == part.stroke && p.from <= part.from && p.to >= part.to;
+  });
 }
 
 }  // namespace
@@ -165,9 +166,14 @@ std::optional<Move> MovingDrawing::end_of_watch(const Situation& now) {
 std::optional<Move> MovingDrawing::end_of_wait(const Situation& now) {
   waited_ += now.pen.time - wait_began_;
   if (waited_ < kMostWait) return std::nullopt;
-  std::vector<UnreachedPart> lost;
-  for (const StrokePart& part : merged(pending_)) lost.push_back({part, decision_.why});
-  return give_up(lost);
+  pending_ = merged(pending_);
+  return give_up(without_misses(e_, &pending_, [&](const std::vector<StrokePart>& parts) {
+    std::vector<UnreachedPart> lost;
+    for (const StrokePart& part : parts)
+      lost.push_back({part, plan_.reason(part, forecast(now), now.pen) +
+                                fmt::format("; no way to it was found in {:.0f} s", kMostWait)});
+    return lost;
+  }));
 }
 
 std::optional<Move> MovingDrawing::end_of_path(const Situation& now) {
@@ -317,9 +323,7 @@ void MovingDrawing::cut(const std::vector<StrokePart>& parts) {
 std::optional<Move> MovingDrawing::give_up(const std::vector<UnreachedPart>& lost) {
   for (const UnreachedPart& u : lost) {
     record_.unreached.push_back(u);
-    std::erase_if(pending_, [&](const StrokePart& p) {
-      return p.stroke == u.part.stroke && p.from >= u.part.from && p.to <= u.part.to;
-    });
+    std::erase_if(pending_, [&](const StrokePart& p) { return is_among(p, {u.part}); });
   }
   if (lost.empty() || e_.scenario.drawing.skip_unreachable) return std::nullopt;
   Move end;

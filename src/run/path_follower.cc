@@ -116,11 +116,11 @@ RunProgress PathFollower::progress(double run_time) const {
 JointForecast::JointForecast(ArmModel arm, const TipPath& path, const JointVector& start,
                              const JointVector& rest_q, double share) {
   constexpr int kSubsteps = 2;
-  constexpr double kRelax = 0.5;         // time in which the redundant joints settle [s]
+  constexpr double kSettle = 0.5;         // time in which the redundant joints settle [s]
   constexpr double kFurthestStep = 0.3;  // of a joint; a longer one would leave the path [rad]
   constexpr double kLeast = 0.05;        // rate
   const double dt = kStep / kSubsteps;
-  const double relax = 1.0 - std::exp(-dt / kRelax);
+  const double relax = 1.0 - std::exp(-dt / kSettle);
   const JointVector speed = arm.limits().speed;
   ArmTerms terms(arm.joints());
   arm.compute(start, JointVector::Zero(start.size()), &terms);

@@ -1,13 +1,12 @@
 // Which stroke is drawn next on a canvas that moves, and from when.
 //
-// Each stroke takes its time, and can be drawn in windows of time alone (reach_windows()). Two
+// Each stroke takes its time, and can be drawn in windows of time alone (ReachMap::windows()). Two
 // orders are tried: the planned one, each stroke as early as it can be; and earliest deadline
 // first, which takes of the strokes that can be begun the one that will be out of reach soonest.
 // The order that leaves out fewer strokes counts; of two equal ones that which ends earlier, the
-// planned one unless it costs more than kWorth.
-//
-// A stroke that this order leaves out is not lost where it can be drawn beyond the horizon, too: a
-// window is open there, or opened twice before.
+// planned one unless it costs more than kWorth. Pieces of a stroke that adjoin are drawn without a
+// lift between them where their windows allow it. What this leaves out is not lost if it can be
+// drawn beyond the horizon, too: a window is open there, or opened twice before.
 #pragma once
 
 #include <algorithm>
@@ -23,6 +22,8 @@ namespace impedraw {
 struct StrokeJob {
   double duration = 0.0;             // from the approach to the last point [s]
   std::vector<ReachWindow> windows;  // in order
+  double approach = 0.0;             // from there to the first point [s]
+  bool continues = false;            // it begins where the job before it ends
 };
 
 struct StrokeSlot {
@@ -41,7 +42,8 @@ struct StrokeChoice {
   StrokeSchedule order;
   std::vector<std::size_t> lost;  // of order.lost: for good
   // What can be begun now, best first: the first of the order and those that follow it without a
-  // wait; then each of those that come later, alone. Empty: the first is to be waited for.
+  // wait; then each of those that come later, with what continues it. Empty: the first is to be
+  // waited for.
   std::vector<std::vector<std::size_t>> now;
 };
 
@@ -57,6 +59,16 @@ inline std::optional<StrokeSlot> slot_of(const std::vector<StrokeJob>& jobs, std
     if (start + jobs[job].duration <= w.until + 1e-9) return StrokeSlot{job, start, w};
   }
   return std::nullopt;
+}
+
+// The slot of the job that continues that slot's, if it can be drawn without a lift.
+inline std::optional<StrokeSlot> continued(const std::vector<StrokeJob>& jobs,
+                                           const StrokeSlot& slot) {
+  const std::size_t next = slot.job + 1;
+  if (next >= jobs.size() || !jobs[next].continues) return std::nullopt;
+  const double start = slot.start + jobs[slot.job].duration - jobs[next].approach;
+  std::optional<StrokeSlot> at = slot_of(jobs, next, start);
+  return at && at->start == start ? at : std::nullopt;
 }
 
 // One of the two orders.
@@ -75,9 +87,12 @@ inline StrokeSchedule schedule_in_order(const std::vector<StrokeJob>& jobs, doub
       if (slot && (!best || urgency(*slot) < urgency(*best))) best = slot;
     }
     if (!best) break;
-    open[best->job] = false;
-    s.slots.push_back(*best);
-    s.end = best->start + jobs[best->job].duration;
+    do {
+      open[best->job] = false;
+      s.slots.push_back(*best);
+      s.end = best->start + jobs[best->job].duration;
+      best = continued(jobs, *best);
+    } while (best && open[best->job]);
     time = s.end + between;
   }
   for (std::size_t job = 0; job < jobs.size(); ++job)
@@ -114,7 +129,10 @@ inline StrokeChoice choose_strokes(const std::vector<StrokeJob>& jobs, double no
   }
   for (std::size_t k = 1; k < std::min(slots.size(), kMostChoices); ++k) {
     const std::optional<StrokeSlot> soon = slot_of(jobs, slots[k].job, now);
-    if (soon && soon->start <= now + kSoon) choice.now.push_back({soon->job});
+    if (!soon || soon->start > now + kSoon) continue;
+    choice.now.emplace_back();
+    for (auto slot = soon; slot; slot = continued(jobs, *slot))
+      choice.now.back().push_back(slot->job);
   }
   return choice;
 }

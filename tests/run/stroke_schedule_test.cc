@@ -85,6 +85,20 @@ TEST(StrokeSchedule, RandomWindowsAgainstAllOrders) {
   EXPECT_LE(worse, static_cast<int>(count / 10));
 }
 
+// Three pieces of a stroke that take 2 s each, 1 s of it down to the canvas, and 1 s up again.
+TEST(StrokeSchedule, PiecesThatAdjoinAreDrawnWithoutALift) {
+  const auto drawn_now = [](bool continues) {
+    std::vector<StrokeJob> jobs(3, {2.0, {{0.0, 7.0}}, 1.0, continues});
+    jobs[0].continues = false;
+    const StrokeChoice choice = choose_strokes(jobs, 1.0, 1.0, 20.0, true);
+    EXPECT_EQ(choice.now.front(), choice.order.lost.empty() ? std::vector<std::size_t>({0, 1, 2})
+                                                            : std::vector<std::size_t>({0, 1}));
+    return choice.order.end;
+  };
+  EXPECT_DOUBLE_EQ(drawn_now(true), 5.0) << "down, and 1 s for each";
+  EXPECT_DOUBLE_EQ(drawn_now(false), 6.0) << "two of them";
+}
+
 // Windows on a grid, so that trying every start is exact.
 std::vector<StrokeJob> jobs_on_grid(std::mt19937* random) {
   const auto whole = [&](unsigned from, unsigned to) { return from + (*random)() % (to - from); };

@@ -1,12 +1,14 @@
 #include "impedraw/planning/preflight/carried_path.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "impedraw/arm/least_energy_step.h"
 #include "impedraw/common/rotations.h"
-#include "impedraw/planning/preflight/posture_check.h"
+#include "impedraw/control/joint_speed_shares.h"
 
 namespace impedraw {
 
@@ -16,28 +18,20 @@ using Eigen::Vector3d;
 
 constexpr double kCarriedLook = 0.05;  // [s]
 
-void say(Problem problem, double short_by, const std::string& text, bool on_way,
-         CarriedFault* fault) {
-  fault->how = text;
+const char* what_of(Problem problem, bool on_way) {
   switch (problem) {
     case Problem::out_of_reach:
-      fault->what = on_way ? "is out of the arm's reach" : "leaves the arm's reach";
-      if (short_by >= 5e-3) fault->how = fmt::format("{:.2f} m short", short_by);
-      break;
+      return on_way ? "is out of the arm's reach" : "leaves the arm's reach";
     case Problem::joint_limit:
-      fault->what = "brings a joint to its limit";
-      break;
+      return "brings a joint to its limit";
     case Problem::near_singular:
-      fault->what = "brings the arm near a singular posture";
-      break;
+      return "brings the arm near a singular posture";
     case Problem::torque:
-      fault->what = "needs too much torque";
-      break;
+      return "needs too much torque";
     case Problem::joint_jump:
-      fault->what = "cannot be followed without a jump of the joints";
-      break;
+      return "cannot be followed without a jump of the joints";
     default:
-      fault->what = "makes the arm touch the canvas or the table";
+      return "makes the arm touch the canvas or the table";
   }
 }
 
@@ -65,7 +59,7 @@ std::optional<CarriedFault> check_carried(const CarriedPath& carried, ArmModel a
   Vector3d p = arm.tip_pose(q).p, n = -arm.tip_pose(q).R.col(2);
   std::size_t next = 0;  // stroke under way
   while (next < strokes.size() && strokes[next].end < from) ++next;
-  bool lifting = false;
+  bool lifting = false, leaves = true;
   for (double t = from; t <= path.duration() && next < strokes.size(); t += kCarriedLook) {
     const PathSample sample = path.at(t);
     // A stroke ends with its lift.
@@ -112,11 +106,12 @@ std::optional<CarriedFault> check_carried(const CarriedPath& carried, ArmModel a
       int joint = 0;
       const double share =
           (task.cwiseAbs().array() / (kCarriedLook * speed.array())).maxCoeff(&joint);
-      if (share > 1.0) {
+      if (share > JointSpeedShares::kLaw) {
         // Near the end of the reach joints are fast, too: then that is what is told.
-        fault = CarriedFault{next, time, 0.0, "needs too fast a joint",
-                             fmt::format("joint {} at {:.2f} rad/s, allowed {:.2f} rad/s",
-                                         joint + 1, share * speed[joint], speed[joint])};
+        fault =
+            CarriedFault{next, time, 0.0, "needs too fast a joint",
+                         fmt::format("joint {} at {:.2f} rad/s, allowed {:.2f} rad/s", joint + 1,
+                                     share * speed[joint], JointSpeedShares::kLaw * speed[joint])};
       }
     }
     Posture posture = check.follow(pen, last, moved);
@@ -130,71 +125,90 @@ std::optional<CarriedFault> check_carried(const CarriedPath& carried, ArmModel a
       else if (anew.reached)
         report(Problem::joint_jump, 0.0, {});
     }
-    if (posture.problem)
+    // The arm may stand in a posture that no path may lead to, and is led out of it.
+    leaves = leaves && posture.problem && posture.reached && sample.phase == Phase::travel;
+    if (posture.problem && !leaves)
       report(*posture.problem, posture.reached ? 0.0 : (arm.tip_pose(posture.q).p - p).norm(),
              posture.text);
     last = std::move(posture);
   }
-  if (fault && fault->what.empty()) say(problem, fault->short_by, text, on_way, &*fault);
+  if (fault && fault->what.empty()) {
+    fault->what = what_of(problem, on_way);
+    fault->how = problem == Problem::out_of_reach && fault->short_by >= 5e-3
+                     ? fmt::format("{:.2f} m short", fault->short_by)
+                     : text;
+  }
   return fault;
 }
 
-StrokePlaces places_of(const TipPath& path, std::size_t stroke, int count) {
-  const StrokeTimes& times = path.strokes()[stroke];
-  StrokePlaces places;
-  places.duration = times.end - times.approach;
-  for (int i = 0; i < count; ++i) {
-    const double t = count > 1 ? places.duration * i / (count - 1) : 0.0;
-    const TipReference at = path.at(times.approach + t).reference;
-    places.time.push_back(t);
-    places.p_K.push_back(at.p_WD);
-    places.n_K.push_back(at.n_WD);
-  }
-  return places;
+ReachMap::ReachMap(const ArmModel& arm, const JointVector& q, const PreflightSettings& settings)
+    : arm_(arm), q_(q), check_(arm, nullptr, q, settings), terms_(arm.joints()) {
+  check_.asked.pen = false;
 }
 
-std::vector<ReachWindow> reach_windows(const StrokePlaces& stroke, const CanvasCourse& canvas,
-                                       ArmModel arm, const JointVector& q,
-                                       const PreflightSettings& settings, double begin, double end,
-                                       double step) {
-  PostureCheck check(arm, nullptr, q, settings);
-  check.asked.pen = false;
-  const auto times = static_cast<std::size_t>(std::ceil((end - begin) / step)) + 1;
-  const auto last_time = static_cast<double>(times - 1);
-  std::vector<std::vector<bool>> reached(stroke.time.size(), std::vector<bool>(times));
-  for (std::size_t i = 0; i < stroke.time.size(); ++i) {
-    // From the last posture that was in order: one out of reach seldom leads back.
-    constexpr std::size_t kAnew = 5;
-    std::optional<Posture> good;
-    Vector3d p = Vector3d::Zero();
-    for (std::size_t j = 0; j < times; ++j) {
-      const Pose X_WK = canvas(begin + step * static_cast<double>(j));
-      const PenPlacement pen{X_WK * stroke.p_K[i], -(X_WK.R * stroke.n_K[i])};
-      std::optional<Posture> posture;
-      if (good) posture = check.follow(pen, *good, (pen.p_WE - p).norm());
-      if ((!posture || posture->problem) && j % kAnew == 0) posture = check.enter(pen, q);
-      reached[i][j] = posture && !posture->problem;
-      if (!reached[i][j]) continue;
-      p = pen.p_WE;
-      good = std::move(posture);
-    }
+const Eigen::MatrixXd& ReachMap::cell(const PenPlacement& pen) {
+  std::uint64_t key = 0;
+  for (int i = 0; i < 3; ++i) {
+    key = key << 16 | (static_cast<std::uint64_t>(std::llround(pen.p_WE[i] / kCell)) & 0xffff);
+    key = key << 5 | (static_cast<std::uint64_t>(std::llround(pen.z_WE[i] / kTurn)) & 0x1f);
   }
-  // Begun at the j-th time all places are in reach as the pen comes by.
+  const auto [found, is_new] = cells_.try_emplace(key);
+  Eigen::MatrixXd& by_tip = found->second;
+  if (!is_new) return by_tip;
+  std::optional<Posture> posture;
+  if (last_) posture = check_.follow(pen, *last_, (pen.p_WE - arm_.tip_pose(last_->q).p).norm());
+  if (!posture || posture->problem) posture = check_.enter(pen, q_);
+  if (posture->problem) return by_tip;
+  const JointVector none = JointVector::Zero(arm_.joints());
+  arm_.compute(posture->q, none, &terms_);
+  by_tip.resize(arm_.joints(), 6);
+  for (int i = 0; i < 6; ++i)
+    by_tip.col(i) = least_energy_step(terms_, Vector6::Unit(i), none, 1e-6)
+                        .task.cwiseQuotient(arm_.limits().speed);
+  last_ = std::move(posture);
+  return by_tip;
+}
+
+// By the motion of least kinetic energy.
+bool ReachMap::reaches(const PenPlacement& from, const PenPlacement& to, double time) {
+  const Eigen::MatrixXd& by_tip = cell(from);
+  if (by_tip.size() == 0) return false;
+  Vector6 dx;
+  dx << to.p_WE - from.p_WE, smallest_rotation(from.z_WE, to.z_WE);
+  return (by_tip * dx).cwiseAbs().maxCoeff() <= JointSpeedShares::kClockYields * time;
+}
+
+std::vector<ReachWindow> ReachMap::windows(const TipPath& path, std::size_t stroke,
+                                           const CanvasPoses& canvas) {
+  constexpr double kDown = 0.5;  // the last of the way to a stroke [s]
+  const auto& [number, approach, start, end, length] = path.strokes()[stroke];
+  const double down = canvas.step * std::ceil(std::min(kDown, approach) / canvas.step);
+  const double last = canvas.step * static_cast<double>(canvas.X_WK.size() - 1);
+  std::vector<TipReference> places;  // in K
+  PathSample at = path.at(approach - down);
+  for (double t = approach - down; t <= end || at.phase == Phase::draw || at.phase == Phase::lift;
+       at = path.at(t += canvas.step))
+    places.push_back(at.reference);
+  const auto pen_at = [&](std::size_t place, std::size_t time) {
+    const Pose& X_WK = canvas.X_WK[std::min(time, canvas.X_WK.size() - 1)];
+    return PenPlacement{X_WK * places[place].p_WD, -(X_WK.R * places[place].n_WD)};
+  };
   std::vector<ReachWindow> windows;
   bool open = false;
-  for (std::size_t j = 0; j < times; ++j) {
+  for (std::size_t j = 0;; ++j) {
+    const double from = canvas.step * static_cast<double>(j) + down, until = from + end - approach;
+    if (until > last) return windows;
     bool good = true;
-    for (std::size_t i = 0; good && i < stroke.time.size(); ++i) {
-      const double at = static_cast<double>(j) + stroke.time[i] / step;
-      good = at <= last_time && reached[i][static_cast<std::size_t>(std::floor(at))] &&
-             reached[i][static_cast<std::size_t>(std::ceil(at))];
+    PenPlacement here = pen_at(0, j);
+    for (std::size_t i = 1; good && i < places.size(); ++i) {
+      const PenPlacement next = pen_at(i, j + i);
+      good = reaches(here, next, canvas.step);
+      here = next;
     }
-    const double time = begin + step * static_cast<double>(j);
-    if (good && !open) windows.push_back({time, time});
-    if (good) windows.back().until = time + stroke.duration;
+    if (good && !open) windows.push_back({canvas.begin + from, 0.0});
+    if (good) windows.back().until = canvas.begin + until;
     open = good;
   }
-  return windows;
 }
 
 }  // namespace impedraw

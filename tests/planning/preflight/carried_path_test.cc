@@ -1,6 +1,7 @@
 // Planned paths on canvases that move: where and when the arm does not follow, against brute force.
 #include "impedraw/planning/preflight/carried_path.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -126,6 +127,20 @@ TEST(CarriedPath, ObstaclesMoveWithTheCanvas) {
   EXPECT_EQ(fault->what, "makes the arm touch the canvas or the table");
 }
 
+CanvasPoses poses_of(const CanvasCourse& canvas, double until) {
+  CanvasPoses poses;
+  for (double t = 0.0; t <= until; t += poses.step) poses.X_WK.push_back(canvas(t));
+  return poses;
+}
+
+bool lies_in(double start, double duration, const std::vector<ReachWindow>& windows) {
+  return std::ranges::any_of(windows, [&](const ReachWindow& w) {
+    return start >= w.from - 1e-9 && start + duration <= w.until + 1e-9;
+  });
+}
+
+// Begun anywhere within a window, and nowhere else, the stroke is in reach at all times, its way
+// down and its lift included.
 TEST(CarriedPath, WindowsOfASwingAreThoseOfBruteForce) {
   ArmModel arm(surfaces::kArm);
   PreflightSettings settings;
@@ -134,24 +149,52 @@ TEST(CarriedPath, WindowsOfASwingAreThoseOfBruteForce) {
   const CanvasCourse canvas = [](double t) {
     return Pose{Vector3d(0.0, 0.3 * std::sin(2.0 * std::numbers::pi * 0.1 * t), 0.0)};
   };
-  const StrokePlaces places = places_of(path, 0, 5);
-  const std::vector<ReachWindow> windows =
-      reach_windows(places, canvas, arm, surfaces::start_posture(arm), settings, 0.0, 25.0, 0.25);
+  const double duration = path.strokes()[0].end - path.strokes()[0].approach;
+  ReachMap reach(arm, surfaces::start_posture(arm), settings);
+  const std::vector<ReachWindow> windows = reach.windows(path, 0, poses_of(canvas, 25.0));
   ASSERT_EQ(windows.size(), 2u) << "in reach in each half turn away from the limit";
-  for (const ReachWindow& w : windows) EXPECT_GE(w.until - w.from, places.duration - 1e-9);
-  const auto inside = [&](double t) {
-    for (const ReachWindow& w : windows)
-      if (t >= w.from && t + places.duration <= w.until + 1e-9) return true;
-    return false;
-  };
   int differ = 0, n = 0;
-  for (double t = 0.0; t + places.duration < 25.0; t += 0.5, ++n) {
+  for (double t = 1.0; t + duration < 24.0; t += 0.5, ++n) {
     bool all = true;
-    for (std::size_t i = 0; i < places.time.size(); ++i)
-      all = all && reaches(arm, canvas(t + places.time[i]) * places.p_K[i], settings);
-    differ += all != inside(t);
+    const double begin = t - path.strokes()[0].approach;
+    for (double s = path.strokes()[0].approach - 0.4; all && s < path.duration(); s += 0.2)
+      all = reaches(arm, canvas(begin + s) * path.at(s).reference.p_WD, settings);
+    differ += all != lies_in(t, duration, windows);
   }
   EXPECT_LE(differ, 4) << "of " << n << ": at the windows' edges only";
+}
+
+// A stroke of two swings, whose ends and middle pass by while they are in reach. The defect: seven
+// places along a stroke were looked at, each as the pen came by, and none between.
+TEST(CarriedPath, AStrokeLongerThanASwingHasNoWindow) {
+  ArmModel arm(surfaces::kArm);
+  std::vector<Eigen::Vector2d> there_and_back;
+  for (int i = 0; i < 8; ++i) there_and_back.push_back({0.6, i % 2 ? 0.40 : 0.50});
+  const TipPath path = path_of({surfaces::line(there_and_back, 0)});
+  const double duration = path.strokes()[0].end - path.strokes()[0].approach;
+  const CanvasCourse canvas = [&](double t) {
+    return Pose{Vector3d(0.0, 0.2 * std::sin(2.0 * std::numbers::pi * 3.0 / duration * t), 0.0)};
+  };
+  ReachMap reach(arm, surfaces::start_posture(arm), {});
+  EXPECT_TRUE(reach.windows(path, 0, poses_of(canvas, 60.0)).empty());
+}
+
+// In reach all the time, and yet in no window while a joint would be too fast.
+TEST(CarriedPath, WindowsCountJointSpeeds) {
+  ArmModel arm(surfaces::kArm);
+  const TipPath path = path_of({surfaces::line({{0.55, 0.05}, {0.55, -0.05}}, 0)});
+  const auto windows = [&](double amplitude) {
+    ReachMap reach(arm, surfaces::start_posture(arm), {});
+    const CanvasCourse canvas = [=](double t) {
+      const double stops = t < 20.0 ? 1.0 : 0.0;
+      return Pose{Vector3d(0.0, stops * amplitude * std::sin(2.0 * std::numbers::pi * t), 0.0)};
+    };
+    return reach.windows(path, 0, poses_of(canvas, 30.0));
+  };
+  ASSERT_EQ(windows(0.01).size(), 1u);
+  EXPECT_LT(windows(0.01).front().from, 1.0);
+  ASSERT_EQ(windows(0.25).size(), 1u);
+  EXPECT_GT(windows(0.25).front().from, 20.0);
 }
 
 }  // namespace
