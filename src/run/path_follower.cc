@@ -116,7 +116,7 @@ RunProgress PathFollower::progress(double run_time) const {
 JointForecast::JointForecast(ArmModel arm, const TipPath& path, const JointVector& start,
                              const JointVector& rest_q, double share) {
   constexpr int kSubsteps = 2;
-  constexpr double kSettle = 0.5;         // time in which the redundant joints settle [s]
+  constexpr double kSettle = 0.5;        // time in which the redundant joints settle [s]
   constexpr double kFurthestStep = 0.3;  // of a joint; a longer one would leave the path [rad]
   constexpr double kLeast = 0.05;        // rate
   const double dt = kStep / kSubsteps;

@@ -17,6 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kCarriedLook = 0.05;  // [s]
+constexpr double kFarOff = 0.1;        // from a place that is not reached [m]
 
 const char* what_of(Problem problem, bool on_way) {
   switch (problem) {
@@ -144,6 +145,9 @@ std::optional<CarriedFault> check_carried(const CarriedPath& carried, ArmModel a
 ReachMap::ReachMap(const ArmModel& arm, const JointVector& q, const PreflightSettings& settings)
     : arm_(arm), q_(q), check_(arm, nullptr, q, settings), terms_(arm.joints()) {
   check_.asked.pen = false;
+  last_.q = q;
+  last_.reached = true;
+  last_.drift = JointVector::Zero(q.size());
 }
 
 const Eigen::MatrixXd& ReachMap::cell(const PenPlacement& pen) {
@@ -155,12 +159,13 @@ const Eigen::MatrixXd& ReachMap::cell(const PenPlacement& pen) {
   const auto [found, is_new] = cells_.try_emplace(key);
   Eigen::MatrixXd& by_tip = found->second;
   if (!is_new) return by_tip;
-  std::optional<Posture> posture;
-  if (last_) posture = check_.follow(pen, *last_, (pen.p_WE - arm_.tip_pose(last_->q).p).norm());
-  if (!posture || posture->problem) posture = check_.enter(pen, q_);
-  if (posture->problem) return by_tip;
+  Posture posture = check_.follow(pen, last_, (pen.p_WE - arm_.tip_pose(last_.q).p).norm());
+  // What lies far beyond the reach is not looked for from other postures.
+  if (!posture.reached && posture.amount > kFarOff) return by_tip;
+  if (posture.problem) posture = check_.enter(pen, q_);
+  if (posture.problem) return by_tip;
   const JointVector none = JointVector::Zero(arm_.joints());
-  arm_.compute(posture->q, none, &terms_);
+  arm_.compute(posture.q, none, &terms_);
   by_tip.resize(arm_.joints(), 6);
   for (int i = 0; i < 6; ++i)
     by_tip.col(i) = least_energy_step(terms_, Vector6::Unit(i), none, 1e-6)

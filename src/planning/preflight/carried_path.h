@@ -92,7 +92,7 @@ class ReachMap {
   JointVector q_;
   PostureCheck check_;
   ArmTerms terms_;
-  std::optional<Posture> last_;  // that is in order
+  Posture last_;  // that was in order
   std::unordered_map<std::uint64_t, Eigen::MatrixXd> cells_;
 };
 
