@@ -1,4 +1,4 @@
-// check_transitions of preflight.h: the motions between strokes, and the strokes as the arm comes to them.
+// check_transitions of preflight.h: the ways between strokes, and strokes as the arm comes to them.
 #include <algorithm>
 #include <string>
 
@@ -93,7 +93,7 @@ class PathFindings {
  private:
   const std::vector<PlacedStroke>& strokes_;
   std::vector<Finding> findings_;
-  std::vector<double> amounts_;  // severities of the findings
+  std::vector<double> amounts_;        // severities of the findings
   std::size_t next_ = 0, begins_ = 0;  // stroke that the motion leads to; its first finding
   bool lift_ = false;         // still lifting off the previous stroke, which is then at fault
   bool lift_barred_ = false;  // the lift of this motion has failed
@@ -149,8 +149,7 @@ class PathWalk {
  private:
   Posture posture_at(const PathSample& sample, double moved, double time) {
     const TipReference& now = sample.reference;
-    const auto below =
-        obstacle_ ? obstacle_->closest(now.p_WD, kTipFree + 0.02) : std::nullopt;
+    const auto below = obstacle_ ? obstacle_->closest(now.p_WD, kTipFree + 0.02) : std::nullopt;
     check_.asked.pen = !(below && below->distance < kTipFree);
     // A path may run beneath the surface: a set-point that presses, a coarse cloud.
     const bool beneath = sample.stroke >= 0 && below && below->distance < 0.0;
@@ -164,15 +163,14 @@ class PathWalk {
     if (last_ && posture.reached && last_->reached) {
       const PostureCheck::Change by = PostureCheck::change(*last_, posture);
       // A turn of the pen can move a wrist joint several times as far.
-      if (by.by >
-          settings_.max_joint_step + 3 * turned + moved / settings_.step * settings_.max_joint_step / 2)
+      if (by.by > settings_.max_joint_step + 3 * turned +
+                      moved / settings_.step * settings_.max_joint_step / 2)
         findings_.add_on_way(Problem::joint_jump, by.by,
                              fmt::format("joint {} would turn by {:.2f} rad within {:.0f} mm",
                                          by.joint + 1, by.by, 1e3 * moved),
                              p);
     }
-    if (posture.problem)
-      findings_.add_on_way(*posture.problem, posture.amount, posture.text, p);
+    if (posture.problem) findings_.add_on_way(*posture.problem, posture.amount, posture.text, p);
   }
 
   const TipPath& path_;
