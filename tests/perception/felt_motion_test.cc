@@ -15,6 +15,7 @@ struct Felt {
   double with = 0.0,
          without = 0.0;  // RMS of the canvas's position across the slip, felt or not [m]
   double along_normal = 0.0, across_slip = 0.0;  // shares
+  double unfelt = 0.0;
 };
 
 // A canvas whose forecast is that it stands sways along y and z; the pen slips along x at 40 mm/s,
@@ -67,6 +68,7 @@ Felt feel(double amplitude, double tilt) {
   out.without = std::sqrt(out.without / n);
   out.along_normal = felt.share(FeltMotion::along_normal);
   out.across_slip = felt.share(FeltMotion::across_slip);
+  out.unfelt = felt.shift(8.0).unfelt;
   return out;
 }
 
@@ -74,6 +76,7 @@ TEST(FeltMotion, TellsWhereTheCanvasWentSinceTheLastFrame) {
   const Felt f = feel(5e-3, 0.0);
   EXPECT_GT(f.along_normal, 0.95);
   EXPECT_GT(f.across_slip, 0.95);
+  EXPECT_NEAR(f.unfelt, 1.0 / 3.0, 0.04) << "one direction of three: along the slip";
   EXPECT_GT(f.without, 1.5e-3);
   EXPECT_LT(f.with, 0.2 * f.without) << "the frames' noise, and what moves along the slip";
 }
