@@ -500,7 +500,7 @@ def moving(rows, folder):
     lines += ["", "## Where the canvas will be", "",
               "After the arm has watched, and again before each stroke, the plan is checked where the canvas will be ([decision 40](decisions/0040-reach-of-a-moving-canvas.md)). "
               "`scenarios/moving-order.yaml`: a conveyor takes two dashes out of reach one after the other; the one that leaves first is drawn first. `scenarios/moving-swing.yaml`: a "
-              "swing of ± 200 mm brings a dash into reach for 3.8 s at a time; the pen waits. What fits nowhere is named with when and how far, in `strokes.json` under "
+              "swing of ± 200 mm brings a dash into reach for 3.8 s at a time; the pen waits. A line that fits nowhere as a whole is cut. What fits nowhere is named with when and how far, in `strokes.json` under "
               "`unreached` with `--skip-unreachable`, else the run ends."]  # fmt: skip
     return ("moving.md", [*lines, "", "## Failed runs", "", "With prediction and feed-forward:", "", *failed_list(as_it_is)],
             lambda: picture_of_moving(by_case, speeds, latencies, amplitudes, frequencies))
