@@ -38,7 +38,7 @@ function(impedraw_library name)
     impedraw_compile_together(impedraw_${name} 14)
   endif()
   # What runs once in a call, or waits for files, sockets and processes, is not worth the optimiser's time. A control step
-  # is: with -O3 it takes an eighth less.
+  # is: with -O3 it takes a tenth less.
   set(headers library)
   if(name MATCHES "^(settings|terminal|files|experiment|page|judge|live|app)$")
     set(level ${IMPEDRAW_LESS_OPTIMISED})
