@@ -39,6 +39,7 @@ function(impedraw_library name)
   endif()
   # What runs once in a call, or waits for files, sockets and processes, is not worth the optimiser's time. A control step
   # is: with -O3 it takes a tenth less.
+  set(level "")
   set(headers library)
   if(name MATCHES "^(settings|terminal|files|experiment|page|judge|live|app)$")
     set(level ${IMPEDRAW_LESS_OPTIMISED})

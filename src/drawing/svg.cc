@@ -362,9 +362,9 @@ class SvgReading {
     const ImpedrawSvgPath& path = svg_->paths[index];
     const Outline outline = next_outline(path);
     if (path.shapes > 0) {
-      painting_.clips[path.shapes].shapes.push_back({area_of(outline.lines, path),
-                                                     path.clip > 0 ? clip_of(path.clip) : -1,
-                                                     path.value, path.alpha});
+      painting_.clips[path.shapes].shapes.push_back(
+          {area_of(outline.lines, path), path.clip > 0 ? static_cast<int>(path.clip) : -1,
+           path.value, path.alpha});
       return;
     }
     const std::string group = svg_->layers[path.layer];

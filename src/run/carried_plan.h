@@ -3,9 +3,9 @@
 // The strokes are known in the canvas's frame K; where K will be is forecast (canvas_forecast.h).
 // Before the first stroke, and again before each one, the plan is checked where the canvas will be
 // while it is followed (carried_path.h), kHorizon ahead. Where the planned order does not hold,
-// each stroke's windows of reach are found, and another order (stroke_schedule.h); the pen waits,
-// up and at rest in W, until the next stroke comes into reach. What fits nowhere is cut, down to
-// kShortest, and then named, with when and how far.
+// each stroke's windows of reach are found (reach_map.h), and another order (stroke_schedule.h);
+// the pen waits, up and at rest in W, until the next stroke comes into reach. What fits nowhere is
+// cut, down to kShortest, and then named, with when and how far.
 #pragma once
 
 #include <optional>
@@ -15,6 +15,7 @@
 #include "impedraw/experiment/experiment.h"
 #include "impedraw/perception/canvas_forecast.h"
 #include "impedraw/planning/preflight/carried_path.h"
+#include "impedraw/planning/preflight/reach_map.h"
 #include "impedraw/planning/stroke_part.h"
 #include "impedraw/run/stroke_schedule.h"
 

@@ -7,23 +7,17 @@
 //   joint speeds |dq_j| / dt of the motion of least kinetic energy (least_energy_step.h), canvas's
 //   motion included, up to what the law may ask for; a plan's clock that yields does not slow the
 //   canvas.
-//
-// And for one stroke, when it may be drawn: windows of time (ReachMap).
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
 #include <string>
-#include <unordered_map>
-#include <vector>
 
 #include "impedraw/arm/arm_model.h"
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/planning/path/tip_path.h"
-#include "impedraw/planning/preflight/posture_check.h"
 #include "impedraw/planning/preflight/preflight.h"
 
 namespace impedraw {
@@ -53,47 +47,5 @@ std::optional<CarriedFault> check_carried(const CarriedPath& carried, ArmModel a
                                           const Canvas* obstacle, const JointVector& q,
                                           const PreflightSettings& settings, double from = 0.0,
                                           double until = std::numeric_limits<double>::infinity());
-
-// From `from` on, and to be finished by `until` [s].
-struct ReachWindow {
-  double from = 0.0, until = 0.0;
-};
-
-// X_WK, one every `step` from `begin` on [s].
-struct CanvasPoses {
-  double begin = 0.0, step = 0.1;
-  std::vector<Pose> X_WK;
-};
-
-// Where in W the arm can have its pen, and how fast its joints are when the pen moves there.
-//
-// The arm stands the same wherever the canvas goes: places are asked for again and again, by each
-// stroke and at each decision. One posture is kept for places within kCell and axes within kTurn.
-class ReachMap {
- public:
-  static constexpr double kCell = 0.01, kTurn = 0.1;  // [m], [rad]
-
-  // settings: reach, joint range, singular postures, torque and the table are checked. q: a posture
-  // to begin with.
-  ReachMap(const ArmModel& arm, const JointVector& q, const PreflightSettings& settings);
-
-  // When a stroke may be approached, to be finished at its last point: while the pen comes down to
-  // it, goes along it and up again, all of its places are in reach, one for each of the canvas's
-  // poses, and no joint is so fast that the plan's clock would yield (joint_speed_shares.h).
-  std::vector<ReachWindow> windows(const TipPath& path, std::size_t stroke,
-                                   const CanvasPoses& canvas);
-
- private:
-  bool reaches(const PenPlacement& from, const PenPlacement& to, double time);
-  // J̄ there (least_energy_step.h) over the joints' greatest speeds; empty: out of reach.
-  const Eigen::MatrixXd& cell(const PenPlacement& pen);
-
-  ArmModel arm_;
-  JointVector q_;
-  PostureCheck check_;
-  ArmTerms terms_;
-  Posture last_;  // that was in order
-  std::unordered_map<std::uint64_t, Eigen::MatrixXd> cells_;
-};
 
 }  // namespace impedraw

@@ -32,6 +32,15 @@ struct Posture {
   PreflightMargins margins;  // of this posture; slope is not set
 };
 
+// As the arm stands, with nothing looked at.
+inline Posture standing_at(const JointVector& q) {
+  Posture posture;
+  posture.q = q;
+  posture.reached = true;
+  posture.drift = JointVector::Zero(q.size());
+  return posture;
+}
+
 // Joint torques that hold the arm still and press the pen on with `normal_force` [N] along `axis`
 // (into the surface, W), while friction across it takes the direction that is worst for each joint
 // [Nm]: |g_j + J_jᵀ axis F| + μ F |J_jᵀ across axis|. ≥ 0.
@@ -72,6 +81,12 @@ class PostureCheck {
     double by = 0;
   };
   static Change change(const Posture& a, const Posture& b);
+  // The greatest change by which an arm follows a pen that moves by `moved` [m] and turns by
+  // `turned` [rad]: a turn of the pen can move a wrist joint several times as far.
+  double most_change(double moved, double turned) const {
+    return settings_.max_joint_step + 3.0 * turned +
+           moved / settings_.step * settings_.max_joint_step / 2.0;
+  }
 
  private:
   Posture solve(const PenPlacement& pen, const JointVector& seed, int max_steps,

@@ -43,9 +43,10 @@ class PathFindings {
  public:
   explicit PathFindings(const std::vector<PlacedStroke>& strokes) : strokes_(strokes) {}
 
-  // The motion at hand leads to stroke `next`, or off the one before it.
-  void begin_motion(std::size_t next) {
-    next_ = next;
+  // The stroke that the motion at hand leads to, or off the one before it.
+  std::size_t next() const { return next_; }
+  void begin_motion() {
+    ++next_;
     begins_ = findings_.size();
     lift_barred_ = false;
   }
@@ -108,7 +109,6 @@ class PathWalk {
       : path_(path),
         obstacle_(obstacle),
         start_q_(start_q),
-        settings_(settings),
         check_(arm, obstacle, start_q, on_ways(settings)),
         along_strokes_(arm, obstacle, start_q, eased(settings)),
         findings_(strokes) {
@@ -124,10 +124,14 @@ class PathWalk {
                  turned = angle_between(now.n_WD, asked_.n_WD) +
                           (now.led() ? angle_between(now.x_WD, asked_.x_WD) : 0.0);
     if (last_ && !change && moved < kStep && turned < kTurn) return;
-    while (next_ < path_.strokes().size() && path_.strokes()[next_].end <= t)
-      findings_.begin_motion(++next_);
-    findings_.set_lift(sample.phase == Phase::lift && next_ > 0);
-    Posture posture = posture_at(sample, moved, t - asked_t_);
+    const std::vector<StrokeTimes>& strokes = path_.strokes();
+    while (findings_.next() < strokes.size() && strokes[findings_.next()].end <= t)
+      findings_.begin_motion();
+    findings_.set_lift(sample.phase == Phase::lift && findings_.next() > 0);
+    const PenPlacement pen = pen_at(sample);
+    PostureCheck& here = sample.stroke < 0 ? check_ : along_strokes_;
+    Posture posture =
+        last_ ? here.follow(pen, *last_, moved, t - asked_t_) : check_.begin(pen, start_q_);
     if (sample.stroke >= 0)
       findings_.add_along(sample.along, posture, now.p_WD);
     else
@@ -135,7 +139,7 @@ class PathWalk {
     // If the arm loses the path during a motion, only that motion is reported. The next stroke
     // starts from a new posture.
     if (last_ && !posture.reached && (last_->reached || (change && !way))) {
-      Posture anew = check_.enter(pen_, start_q_);
+      Posture anew = check_.enter(pen, start_q_);
       if (anew.reached) posture = std::move(anew);
     }
     if (way) judge(posture, moved, turned, now.p_WD);
@@ -147,24 +151,20 @@ class PathWalk {
   std::vector<Finding> take() { return findings_.take(); }
 
  private:
-  Posture posture_at(const PathSample& sample, double moved, double time) {
+  PenPlacement pen_at(const PathSample& sample) {
     const TipReference& now = sample.reference;
     const auto below = obstacle_ ? obstacle_->closest(now.p_WD, kTipFree + 0.02) : std::nullopt;
     check_.asked.pen = !(below && below->distance < kTipFree);
     // A path may run beneath the surface: a set-point that presses, a coarse cloud.
     const bool beneath = sample.stroke >= 0 && below && below->distance < 0.0;
-    pen_ = {beneath ? below->p_W : now.p_WD, -now.n_WD, now.x_WD};
-    PostureCheck& here = sample.stroke < 0 ? check_ : along_strokes_;
-    return last_ ? here.follow(pen_, *last_, moved, time) : check_.begin(pen_, start_q_);
+    return {beneath ? below->p_W : now.p_WD, -now.n_WD, now.x_WD};
   }
 
   // What a motion through the air asks of the arm, from the last posture to this one.
   void judge(const Posture& posture, double moved, double turned, const Vector3d& p) {
     if (last_ && posture.reached && last_->reached) {
       const PostureCheck::Change by = PostureCheck::change(*last_, posture);
-      // A turn of the pen can move a wrist joint several times as far.
-      if (by.by > settings_.max_joint_step + 3 * turned +
-                      moved / settings_.step * settings_.max_joint_step / 2)
+      if (by.by > check_.most_change(moved, turned))
         findings_.add_on_way(Problem::joint_jump, by.by,
                              fmt::format("joint {} would turn by {:.2f} rad within {:.0f} mm",
                                          by.joint + 1, by.by, 1e3 * moved),
@@ -176,14 +176,11 @@ class PathWalk {
   const TipPath& path_;
   const Canvas* obstacle_;
   const JointVector& start_q_;
-  const PreflightSettings& settings_;
   PostureCheck check_, along_strokes_;
   PathFindings findings_;
-  PenPlacement pen_;
   std::optional<Posture> last_;
   TipReference asked_;  // at the last look that was taken
   double asked_t_ = 0.0;
-  std::size_t next_ = 0;  // stroke that the motion leads to
   bool was_way_ = false;
 };
 

@@ -11,6 +11,7 @@
 #include "arm_on_surface.h"
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/planning/path/tip_planner.h"
+#include "impedraw/planning/preflight/reach_map.h"
 #include "planning/surfaces.h"
 
 namespace impedraw {
