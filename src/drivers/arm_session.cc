@@ -26,8 +26,7 @@ ArmSession::ArmSession(const SessionSettings& settings)
     return x.size() == sent_.size() && (x.array() > 0.0).all();
   };
   if (sent_.size() == 0 || !positive(settings.torque_limit) || !positive(settings.speed_limit) ||
-      !positive(settings.rated_speed) || !positive(settings.external_limit) ||
-      !positive(settings.damping))
+      !positive(settings.rated_speed) || !positive(settings.external_limit) || !settings.damping)
     throw std::invalid_argument("a session's limits are positive, one for each joint");
 }
 
@@ -168,17 +167,14 @@ const JointVector& ArmSession::answer(const JointVector& wanted, bool stale) noe
   if (ending) {
     damped_ += stale ? 1e-3 : std::max(dt, 1e-6);
     const bool calm = motion_.confirmed(last_.v).cwiseAbs().maxCoeff() < kDampedSpeed;
-    damping_over_ =
-        damping_over_ || stale || calm || damped_ > settings_.damp_time || !last_.v.allFinite();
+    damping_over_ = damping_over_ || stale || calm || damped_ > settings_.damp_time ||
+                    !last_.q.allFinite() || !last_.v.allFinite();
   }
-  const JointVector v = motion_.confirmed(last_.v);
+  JointVector damping = JointVector::Zero(sent_.size());
+  if (ending && !damping_over_) damping = settings_.damping(last_.q, motion_.confirmed(last_.v));
   const bool follow = state_ == SessionState::start || state_ == SessionState::run;
   for (Eigen::Index j = 0; j < sent_.size(); ++j) {
-    double tau = 0.0;
-    if (follow)
-      tau = share * wanted[j];
-    else if (ending && !damping_over_)
-      tau = -settings_.damping[j] * v[j];
+    double tau = follow ? share * wanted[j] : damping[j];
     const double limit = settings_.torque_limit[j], most = settings_.torque_rate * dt;
     tau = std::clamp(tau, -limit, limit);
     sent_[j] = std::clamp(tau, sent_[j] - most, sent_[j] + most);
@@ -199,8 +195,11 @@ SessionSettings session_settings(const ArmSettings& settings, ArmModel arm,
                      JointVector(Eigen::Map<const Eigen::VectorXd>(external.data(), arm.joints()));
   ArmTerms terms(arm.joints());
   arm.compute(posture, JointVector::Zero(arm.joints()), &terms);
-  s.damping = joint_damping(terms.M);
   s.inertia = terms.M;
+  s.damping = [arm, terms](const JointVector& q, const JointVector& v) mutable {
+    arm.compute(q, v, &terms);
+    return damping_torque(terms.M, v);
+  };
   s.max_silence = settings.max_silence;
   return s;
 }

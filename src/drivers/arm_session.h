@@ -8,21 +8,20 @@
 //   start     r τ, r from 0 to 1 over ramp_time                    ramp over
 //   run       τ as wanted
 //   hold      0: the arm carries its own weight
-//   fault     −D v, then 0                                         0 sent after damp_time
-//   stop      −D v, then 0                                         0 sent after damp_time
+//   fault     damping, then 0                                      0 sent after damp_time
+//   stop      damping, then 0                                      0 sent after damp_time
 //   ended     nothing; the last command was 0 (or none was sent)
 //
 // Any state but ended goes to fault on a fault and to stop on a request; a fault during a stop
 // stays a stop with a named cause. In every state |τ_j| ≤ torque_limit_j and
-// |Δτ_j| ≤ torque_rate Δt, with Δt from the arm's clock, at most longest_step. In D v, v is the
-// measured speed as far as positions confirm it.
+// |Δτ_j| ≤ torque_rate Δt, with Δt from the arm's clock, at most longest_step. The speed that
+// is damped is the measured one as far as positions confirm it.
 //
 // Faults besides speed, external torque, silence and numbers that are not finite: positions that
 // contradict speed or torque (motion_check.h); a clock that jumps by more than max_gap while the
 // arm is driven, by more than ArmSession::kLongestJump ever, that stands still, or that goes back.
 //
-// τ is without gravity: the arm compensates its own weight. D is diagonal and must be small against
-// the joints' inertia over the loop's delay: see joint_damping().
+// τ is without gravity: the arm compensates its own weight.
 #pragma once
 
 #include <chrono>
@@ -53,11 +52,13 @@ struct ArmStatus {
 
 struct SessionSettings {
   // One entry per joint, all positive.
-  JointVector torque_limit;      // without gravity [Nm]
-  JointVector rated_speed;       // of MotionCheck [rad/s]
-  JointVector speed_limit;       // a faster joint is a fault [rad/s]
-  JointVector external_limit;    // a larger external torque is a fault [Nm]
-  JointVector damping;           // D [Nm s/rad]
+  JointVector torque_limit;    // without gravity [Nm]
+  JointVector rated_speed;     // of MotionCheck [rad/s]
+  JointVector speed_limit;     // a faster joint is a fault [rad/s]
+  JointVector external_limit;  // a larger external torque is a fault [Nm]
+  // The torque [Nm] that damps v [rad/s] at the posture q, as damping_torque(); must not throw or
+  // allocate.
+  std::function<JointVector(const JointVector& q, const JointVector& v)> damping;
   JointMatrix inertia{};         // of MotionCheck, where the drawing starts; empty: none [kg m²]
   double torque_rate = 900.0;    // [Nm/s]
   double longest_step = 2e-3;    // of the torque rate's Δt [s]
@@ -196,7 +197,7 @@ class ForeignArm : public Driver {
 
 // Limits of a session with the arm: the model's torques; somewhat more than its speeds, since the
 // arm's own limit comes first, with a reflex that can be recovered from; nine tenths of the
-// `external` torques at which the arm ends a session itself [Nm]. Damping and inertia are those at
+// `external` torques at which the arm ends a session itself [Nm]. The inertia is that at
 // the posture.
 SessionSettings session_settings(const ArmSettings& settings, ArmModel arm,
                                  const JointVector& posture, std::span<const double> external);

@@ -20,7 +20,7 @@
 
 namespace impedraw {
 
-// The end of a run whose arm is not believed: −D v beyond gravity, as far as positions confirm v,
+// The end of a run whose arm is not believed: −M v/T beyond gravity, as far as positions confirm v,
 // until the joints are calm, and for at most kDampTime. Zero beyond gravity follows. Sessions of
 // driven arms end likewise (drivers/arm_session.h).
 class DampedEnd {
@@ -41,7 +41,7 @@ class DampedEnd {
     out->push = 0.0;
     out->terms.setZero();
     out->terms.col(kGravity) = gravity;
-    out->terms.col(kImpedance) = -joint_damping(M).cwiseProduct(v);
+    out->terms.col(kImpedance) = damping_torque(M, v);
     out->tau = (out->terms.col(kImpedance) + gravity).cwiseMax(-most).cwiseMin(most);
   }
 

@@ -83,11 +83,6 @@ JointVector MotionCheck::confirmed(const JointVector& v) const noexcept {
   return slow;
 }
 
-JointVector joint_damping(const JointMatrix& M, double T) {
-  const JointMatrix inverse = M.ldlt().solve(JointMatrix::Identity(M.rows(), M.cols()));
-  return (T * inverse.diagonal().array()).inverse().matrix();
-}
-
 std::string SpeedsBesidePositions::update(const MotionReading& now, const MotionLimits& limits) {
   if (!now.v) return {};
   const double kept = std::exp(-now.dt / kForget);

@@ -132,12 +132,15 @@ class MotionCheck {
   std::string cause_;
 };
 
-// D_j = 1/(T (M⁻¹)_jj): with n joints no mode is damped faster than n/T, so that a delay of T/n/2
-// and less stays harmless. M: inertia at the posture [kg m²], T [s].
-JointVector joint_damping(const JointMatrix& M, double T = 0.1);
+// The torque that damps an arm to its end [Nm]: −M v/T. M: inertia at the posture [kg m²]; v
+// [rad/s]. Every motion decays at the rate 1/T, also one of joints that turn together, whose
+// inertia is many times what each has alone. M is positive definite: its errors add no energy.
+inline constexpr double kDampRate = 20.0;  // 1/T [1/s]
+inline JointVector damping_torque(const JointMatrix& M, const JointVector& v) noexcept {
+  return -kDampRate * M.lazyProduct(v);
+}
 
-// An arm that is damped by D to its end is damped for so long at most [s], or until every joint is
-// slower than this [rad/s].
+// It is damped for so long at most [s], or until every joint is slower than this [rad/s].
 inline constexpr double kDampTime = 0.3, kDampedSpeed = 0.02;
 
 }  // namespace impedraw

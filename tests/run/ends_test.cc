@@ -17,10 +17,10 @@ ImpedanceTorque of_two_joints() {
   return out;
 }
 
-// Two joints of 1 and 4 kg m²: D = M / T with T = 0.1 s.
+// Two joints that turn together: M v at 20/s.
 TEST(DampedEnd, DampsAgainstTheSpeedWithinTheLimitsAndKeepsTheWeight) {
   JointMatrix M = JointMatrix::Zero(2, 2);
-  M.diagonal() << 1.0, 4.0;
+  M << 1.0, 0.5, 0.5, 4.0;
   ImpedanceTorque out = of_two_joints();
   out.push = 5.0;
   out.status.torque_limited = true;
@@ -31,9 +31,9 @@ TEST(DampedEnd, DampsAgainstTheSpeedWithinTheLimitsAndKeepsTheWeight) {
   most << 30.0, 30.0;
   DampedEnd end;
   end.damp(M, v, most, kCycle, &out);
-  EXPECT_NEAR(out.tau[0], 7.0 - 10.0 * 0.1, 1e-12);
-  EXPECT_NEAR(out.tau[1], 30.0, 1e-12);  // −2 + 40, limited
-  EXPECT_NEAR(out.terms.col(kImpedance)[1], 40.0, 1e-12);
+  EXPECT_NEAR(out.tau[0], 7.0 - 20.0 * (0.1 - 0.5), 1e-12);
+  EXPECT_NEAR(out.tau[1], 30.0, 1e-12);  // −2 + 79, limited
+  EXPECT_NEAR(out.terms.col(kImpedance)[1], -20.0 * (0.05 - 4.0), 1e-12);
   EXPECT_EQ(out.terms.col(kGravity)[0], 7.0);
   EXPECT_EQ(out.push, 0.0);
   EXPECT_FALSE(out.status.torque_limited);
