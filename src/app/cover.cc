@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 // Lines that keep within the arm's reach treat more evenly, but are not to promise less than this
 // share of what the lines do that are cut where the reach ends.
 constexpr double kOfDraft = 0.93;
-// How often lines are laid anew that left the reach again, elsewhere.
+// The number of times that lines are laid anew which left the reach again, elsewhere.
 constexpr int kRelaid = 1;
 
 // Both maps of a run, fed row by row.
@@ -109,7 +109,7 @@ std::vector<char> promised_places(const Experiment& e, const CoverPlan& plan) {
   return surely_pressed(plan.grid, lines, plan.centres.feet);
 }
 
-// Of the most, that a place is to get.
+// The share of the most that a place is to get.
 double share_at(const CoverPlan& plan, std::size_t v) {
   return plan.wish.share.empty() ? 1.0 : plan.wish.share[v];
 }
@@ -273,7 +273,7 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   const fs::path strokes = fs::absolute(folder / "cover.csv"),
                  draft = fs::absolute(folder / "cover-draft.csv");
   const std::string begun_along = begun ? text_of(strokes) : "";
-  // What is resumed keeps its lines until the same have been found again.
+  // A resumed run keeps its lines until the same have been found again.
   const fs::path& laid_in = begun ? draft : strokes;
   std::optional<Prepared> laid;
   const auto lay = [&](const CoverPlan& along, const fs::path& file, double from) {

@@ -68,7 +68,7 @@ class ArmModel {
   // Computes all terms at (q, v). Allocates nothing. The relative difference from MuJoCo's terms is
   // < 1e-9 (tests/arm).
   void compute(const JointVector& q, const JointVector& v, ArmTerms* terms) noexcept;
-  // Of these terms only q, X_WE and J, the same bit by bit, in a quarter of the time.
+  // Computes only q, X_WE and J of these terms, the same bit by bit, in a quarter of the time.
   void place(const JointVector& q, ArmTerms* terms) noexcept;
 
   Pose tip_pose(const JointVector& q);  // X_WE

@@ -1,4 +1,4 @@
-// What impedraw needs to know of an arm and URDF has no word for: an element of its own,
+// Facts of an arm for which URDF has no word: an element of its own,
 //   <impedraw rest_posture="0 0.6 0 -1.4 0 1.1 0" torque_rate="1000"
 //             rotor_inertia="0.3 0.3 0.2 0.2 0.1 0.1 0.1"/>
 // directly in <robot>. Everyone else ignores it. And the pen on a bare arm's flange.

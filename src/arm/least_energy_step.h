@@ -36,7 +36,7 @@ inline LeastEnergyStep least_energy_step(const ArmTerms& arm, const Vector6& dx,
 // W of a posture: its joints relax about as they would alone, share by share.
 inline JointVector relaxation_weight(const ArmTerms& arm) { return arm.M.diagonal(); }
 
-// What is missing for the tip to be at p_W with its z axis along z_W: by the smallest rotation,
+// The displacement that brings the tip to p_W with its z axis along z_W: by the smallest rotation,
 // and, unless x_W is zero, by a turn about z that brings its x axis there.
 inline Vector6 tip_displacement(const Pose& X_WE, const Eigen::Vector3d& p_W,
                                 const Eigen::Vector3d& z_W,

@@ -1,4 +1,4 @@
-// Which side of an open mesh faces somebody who looks at it.
+// The side of an open mesh that faces somebody who looks at it.
 #pragma once
 
 #include <Eigen/Core>

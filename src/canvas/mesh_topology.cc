@@ -112,7 +112,7 @@ bool is_crease(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return !a.isZero(0.0) && !b.isZero(0.0) && a.dot(b) < cosine;
 }
 
-// What a face adds to the smooth normal of its corner i.
+// A face's share of the smooth normal of its corner i.
 Eigen::Vector3d smooth_share(const MeshTopology::Face& face, int i) {
   if (face.normal.isZero(0.0)) return Eigen::Vector3d::Zero();
   const Eigen::Vector3d u = face.corner[(i + 1) % 3] - face.corner[i];

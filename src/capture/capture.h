@@ -1,4 +1,4 @@
-// What depth cameras saw, as a folder of files: capture.json and one PNG for each depth image
+// The views of depth cameras, as a folder of files: capture.json and one PNG for each depth image
 // (docs/capture.md). Any number of views, each with its own intrinsics and pose.
 #pragma once
 

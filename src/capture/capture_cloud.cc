@@ -99,8 +99,8 @@ struct ViewPoints {
   int outside = 0, of_arm = 0, without_ray = 0;
 };
 
-// What hangs together with pixels of the arm is of the arm as far as two paddings off: a stereo
-// camera's halo, and an arm that stands beside where the camera's calibration puts it.
+// Pixels that hang together with pixels of the arm are the arm's as far as two paddings off: a
+// stereo camera's halo, and an arm that stands beside where the camera's calibration puts it.
 ViewPoints points_of(const CapturedView& view, const Eigen::AlignedBox3d& region,
                      const std::vector<Capsule>& arm, double padding) {
   enum Pixel : char { none, seen, near_arm, of_arm };

@@ -67,7 +67,7 @@ struct SurfaceSettings {
   Eigen::Vector3d drawing_axis_W = Eigen::Vector3d::UnitZ();  // z, unit, out of the drawing plane
   double min_axis_cosine = 0.2;  // |n·z| below which the plan's own height begins to count
   PenAxis pen_axis = PenAxis::surface;
-  // Of the tracker of the surface normal, which does not lag along a stroke [rad/s].
+  // Bandwidth of the tracker of the surface normal, which does not lag along a stroke [rad/s].
   double normal_bandwidth = 40.0;
 };
 

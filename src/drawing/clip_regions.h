@@ -36,7 +36,7 @@ class ClipRegions {
 
   // The region that the clip and its parents show.
   const Shown& of(int clip);
-  // What a place lets through, from 0 to 1: a mask, its luminance there.
+  // The share that a place lets through, from 0 to 1: for a mask, its luminance there.
   double light(int clip, const Eigen::Vector2d& p);
   // Drops the regions if they are many: what of() returned is no longer valid.
   void forget();

@@ -19,7 +19,7 @@ struct Paint;
 
 using Tint = Eigen::Array4d;  // red, green, blue and opacity, from 0 to 1
 
-// What is painted as a whole.
+// A group that is painted as a whole.
 struct PaintGroup {
   int parent = -1;  // around it; −1: none
   double opacity = 1;

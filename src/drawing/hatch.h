@@ -73,7 +73,7 @@ using HatchRings = std::function<std::vector<HatchLine>(const Outlines& region, 
 // Distances are those of the page.
 std::vector<HatchLine> page_rings(const Outlines& region, HatchStyle style, double spacing_mm);
 
-// How many rows lie within `farthest`. InputError: more than 100,000.
+// The number of rows within `farthest`. InputError: more than 100,000.
 double require_few_rows(double farthest, double spacing_mm);
 
 struct HatchSettings {
@@ -90,7 +90,7 @@ struct HatchSettings {
   };
 };
 
-// How lines are spaced on a surface; empty: as on the page.
+// The spacing of lines on a surface; empty: as on the page.
 struct HatchSurface {
   SurfaceDistances distances = {};
   HatchRings rings = {};

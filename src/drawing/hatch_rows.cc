@@ -39,7 +39,7 @@ double threshold(std::int64_t row) {
   return (reversed + 0.5) / (1 << kBits);
 }
 
-// Where a stroke may go on a line: at its first point, or at its last, or anywhere if it is closed.
+// A place where a stroke may enter a line: its first point, its last, or any if it is closed.
 struct Entry {
   double way;
   std::size_t line, segment;

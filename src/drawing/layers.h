@@ -19,7 +19,7 @@
 
 namespace impedraw {
 
-// Where an SVG's layers come from. automatic: its groups, unless there is at most one, without a
+// The source of an SVG's layers. automatic: its groups, unless there is at most one, without a
 // name, and what is painted has two to eight colours.
 enum class LayerSource { automatic, groups, colours };
 

@@ -12,7 +12,7 @@
 
 namespace impedraw {
 
-// What a file may hold: points, each this far from the page's origin at most [mm]. usvg's single
+// Limits of a file: points, each this far from the page's origin at most [mm]. usvg's single
 // precision is off by 0.1 mm there.
 inline constexpr std::size_t kMostPoints = 5'000'000;
 inline constexpr double kFarthest = 1e6;
@@ -54,7 +54,7 @@ struct Area {
   bool even_odd = false;  // fill rule; else nonzero winding
   int layer = 0;
   std::uint32_t colour = 0;  // 0xRRGGBB
-  // What a hatch shows of the white paper's place: 0 nothing, 1 ink only. Of one that varies, at a
+  // The share of the white paper that a hatch inks: 0 nothing, 1 all. One that varies gives it at a
   // point of the page; none: even.
   double tone = 1;
   std::function<double(const Eigen::Vector2d& page_mm)> tone_at = {};

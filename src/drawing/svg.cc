@@ -87,7 +87,7 @@ Tint tint_of(std::uint32_t colour, double opacity) {
   return {channel(16), channel(8), channel(0), opacity};
 }
 
-// What the groups around a paint let through of it.
+// The share of a paint that the groups around it let through.
 double opacity_around(const Paint& paint, const std::vector<PaintGroup>& groups) {
   double opacity = 1;
   for (int group = paint.group; group >= 0; group = groups[group].parent)
@@ -386,7 +386,7 @@ class SvgReading {
       add_strokes(outline, strokes, strokes && fills, paint);
   }
 
-  // What the path fills and covers, without its strokes.
+  // The area that the path fills and covers, without its strokes.
   Paint paint_of(const Outline& outline, std::size_t index) const {
     const ImpedrawSvgPath& path = outline.path;
     Paint paint;

@@ -273,8 +273,8 @@ class Eye {
     return left;
   }
 
-  // What the paint's strokes cover hides what lies before, if it is of other colours, and edges of
-  // the paint's own.
+  // The area under the paint's strokes hides what lies before, if it is of other colours, and edges
+  // of the paint's own.
   void cover_by(const Paint& paint, std::size_t index, const Shown* clip, bool is_cut) {
     if (paint.covers_from > index || compared_ >= kMostCompared || paint.strokes.empty()) return;
     AlignedBox2d reach = boxes_[index];

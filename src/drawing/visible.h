@@ -1,4 +1,4 @@
-// What the eye sees of painted lines and areas: clip paths, masks and paint order.
+// The visible parts of painted lines and areas: clip paths, masks and paint order.
 //
 // Paints lie over each other in their order. A line is visible outside what later paints hide and
 // inside its clip. An area shrinks likewise, and the edge that the eye sees is drawn: also where a
@@ -31,7 +31,7 @@ struct Paint {
   std::size_t hides_from = 0;
   // Without that of groups; of a white area whose edge alone counts, 0.
   double opacity = 1, stroke_opacity = 1;
-  // Of the gradients of area and strokes, if they have one.
+  // The tint of the gradients of area and strokes, if they have one.
   std::function<Tint(const Eigen::Vector2d&, bool of_stroke)> shade = {};
   bool shaded = false, shaded_strokes = false;
   int group = -1;      // around it; −1: none

@@ -22,24 +22,25 @@ namespace {
 
 constexpr double kMostVertices = 90e3;
 constexpr double kInside = 0.75;
-// Of the force along the lines over the one asked for: of an even dose, and of one by tones. With
-// less, a pad's face would not touch as a whole.
+// The range of the force along the lines over the one asked for: for an even dose, and for one by
+// tones. With less, a pad's face would not touch as a whole.
 constexpr ForceRange kEven{0.945, 1.055}, kByTone{0.4, 1.055};
 // Between the points of a line [m]. The path keeps to their chords within a tenth of it, which a
 // pad does not feel: held within 10 µm, each would be a bend to slow down at.
 constexpr double kExact = 1e-3;
-// Of the arm's own inertia along the normal, desired while a pad presses: where the normal turns
-// faster than perception knows it, a lighter tip keeps its force. Foam is soft, so that the loop
-// bears it with a wrench that comes late. With 0.1 a hand of 40 N once drove it off by 0.2 m.
+// The share of the arm's own inertia along the normal that is desired while a pad presses: where
+// the normal turns faster than perception knows it, a lighter tip keeps its force. Foam is soft, so
+// that the loop bears it with a wrench that comes late. With 0.1 a hand of 40 N once drove it off
+// by 0.2 m.
 constexpr double kLighter = 0.15;
 // A pad turns with the surface that it feels: joints come nearer to their ends than planned [rad].
 constexpr double kJointMargin = 0.08;
-// Of the centres from places that the arm does not reach [m].
+// The distance of the centres from places that the arm does not reach [m].
 constexpr double kOffReach = 1e-3;
 constexpr double kReachStep = 8e-3;  // between places for which the arm is asked [m]
 constexpr double kNothing = 0.02;    // a tone as light as that asks for nothing
 
-// What is deeper than its thickness is a jet (jet_of()), which no foam's end limits.
+// A foam that is pressed deeper than its thickness is a jet (jet_of()), which no foam's end limits.
 Footprint footprint_of(const PadSettings& pad) {
   return {pad.radius, pad.rest, pad.rest > pad.thickness ? kFar : pad.thickness};
 }
@@ -66,7 +67,7 @@ void know_between_points(const PointCloud& cloud, double voxel, const Pose& X_PW
     g->known[v] = g->known[v] && off[v] >= kInside * voxel;
 }
 
-// Where the tones are less than what the least force leaves, that is what the place gets.
+// A place whose tone is less than what the least force leaves gets that.
 double least_share(const Scenario& s) { return kByTone.least / s.cover.passes; }
 
 void wish_for_region(const Scenario& s, const Pose& X_WP, const SettingErrors& errors,
@@ -101,7 +102,7 @@ void require_tones(const Scenario& s, const SettingErrors& errors) {
                      (s.cover.region.empty() ? "not given" : s.cover.region.string()));
 }
 
-// Why the footprint fits nowhere.
+// Throws InputError with the reason that the footprint fits nowhere, if it does not.
 void require_centres(const CoverPlan& plan, const Scenario& s, const SettingErrors& errors) {
   const bool drawn = !s.cover.region.empty();
   if (plan.centres.wanted == 0.0)
@@ -222,7 +223,7 @@ void lay_lines(const Scenario& s, CoverPlan* cover) {
   promise(s, better.inner, !plan.centres.within_reach.empty(), cover);
 }
 
-// Of the centres those of squares in whose middle the arm has a posture for the pad.
+// Keeps the centres in squares in whose middle the arm has a posture for the pad.
 void keep_reached(const Scenario& s, const Belief& belief, const Pose& X_WP, const SurfaceGrid& g,
                   Centres* centres) {
   const PreflightSettings settings = preflight_settings(s, X_WP, true, belief.start_q);

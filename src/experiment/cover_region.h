@@ -14,8 +14,8 @@ struct CoverRegion {
   std::vector<double> tones;  // of each vertex: 0 nothing, 1 ink only (Area::tone); empty: a mesh
 };
 
-// Of an SVG's areas the last one painted over a place counts. Throws InputError for a file that is
-// neither an SVG with areas nor a mesh with a colour.
+// The last of an SVG's areas that is painted over a place counts. Throws InputError for a file that
+// is neither an SVG with areas nor a mesh with a colour.
 CoverRegion region_of(const Scenario& scenario, const SurfaceGrid& grid, const Pose& X_WP);
 
 }  // namespace impedraw

@@ -328,7 +328,7 @@ SurfaceHeight nearest_sheet(std::shared_ptr<const Canvas> canvas, const Pose& X_
   };
   return [sheet_at, planned = std::move(planned), upper = canvas_height(canvas, X_WP)](
              double x, double y, SurfaceHeight::Sample& last) -> SurfaceHeight::Sample {
-    // Which sheet it is, a height that was planned beside it tells as well [m].
+    // A height that was planned beside it tells its sheet as well [m].
     constexpr double kBeside = 1e-3;
     if (last && std::hypot(last->p_P.x() - x, last->p_P.y() - y) < kBeside)
       if (const auto sheet = sheet_at({x, y, height_beside(*last, x, y)})) return sheet;

@@ -103,8 +103,9 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
                               const SurfaceWish& wish,
                               const std::function<void(double)>& progress = {});
 
-// Where less than kNearlyAll can be drawn at the place that was found: the size at which the whole
-// can, in the same drawing plane [mm]; nullopt if there is none, or the wish lets it shrink anyway.
+// The size at which the whole can be drawn in the same drawing plane, where less than kNearlyAll
+// can at the place that was found [mm]; nullopt if there is none, or the wish lets it shrink
+// anyway.
 std::optional<Eigen::Vector2d> whole_size_mm(const SurfaceWish& wish, const SurfacePlace& found,
                                              const std::function<void(double)>& progress);
 

@@ -1,5 +1,5 @@
-// What the search for a place on a surface is asked for (place_search.h): a place that lies near,
-// that the arm reaches at ease, and that is not rough.
+// The wish for a place on a surface, for place_search.h: it lies near, the arm reaches it at ease,
+// and it is not rough.
 #pragma once
 
 #include <functional>

@@ -392,7 +392,7 @@ inline bool touches(const Scenario& s) {
   return !s.drawing.dry_run && s.tool.kind != ToolKind::nozzle;
 }
 
-// What the tip is to the simulated world: world.tip, or a jet that presses on nothing.
+// The tip in the simulated world: world.tip, or a jet that presses on nothing.
 TipMaterial true_tip(const Scenario& scenario);
 
 // The face of a tool, which lies level with E under control.normal_force: a pad, the edge of a

@@ -1,4 +1,4 @@
-// How wide a line a pen draws, by its force.
+// The width of a pen's line, by its force.
 //
 //   w(f) = width + width_per_newton (f − nominal_force), limited to 0.25 … 3 times `width`
 #pragma once

@@ -33,8 +33,8 @@ class LocalAccess {
   int port() const { return port_; }
   std::string address() const;  // with the token
 
-  // Why a request is refused; null: it may go on. An origin must be there if `needs_origin`, as for
-  // a WebSocket.
+  // The reason that a request is refused; null: it may go on. An origin must be there if
+  // `needs_origin`, as for a WebSocket.
   const char* refusal(std::string_view host, std::string_view origin, bool needs_origin,
                       std::string_view token) const;
 

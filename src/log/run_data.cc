@@ -83,7 +83,7 @@ RunData read_run(const std::filesystem::path& path) {
     static_cast<RunConstants&>(run) = constants(log);
     reserve(&run, log.steps());
     const bool terms = !log.header().torque_terms.empty();
-    // What is unreadable from some step on ends there.
+    // A column that is unreadable from some step on ends there.
     visit_steps(log, [&](const LogStep& step) { add_step(step, terms, &run); });
     return run;
   } catch (const h5::Error& e) {

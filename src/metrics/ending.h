@@ -1,4 +1,4 @@
-// How a run ended, what was promised of its drawing, and how much of that was drawn.
+// The end of a run, what was promised of its drawing, and the share of that which was drawn.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace impedraw {
 
-// How a run ended: one value for log, metrics.json, page, Python and terminal.
+// The end of a run: one value for log, metrics.json, page, Python and terminal.
 //
 // run.h5 keeps how its loop ended, and what was given up on the way, in its root attribute `ending`
 // (JSON). A loop that came to its end may still have drawn nothing, or far off: compute_metrics()
@@ -54,7 +54,7 @@ Ending judged(Ending ending, const Metrics& metrics, bool any_ink, bool asks_ink
 inline constexpr double kLeastDrawn = 0.01;
 inline constexpr double kFarOff = 5.0;  // [mm]
 
-// What the pre-flight promised of a drawing, as the log keeps it: the root attribute `promise` of
+// The pre-flight's promise of a drawing, as the log keeps it: the root attribute `promise` of
 // run.h5, JSON. Without it (older logs), metrics that need it are null.
 struct Promise {
   // Lengths are in the drawing plane, of a wrapped drawing those before it was wrapped [m]. Of the
@@ -63,8 +63,9 @@ struct Promise {
   // for rounding or a fault.
   double asked = 0.0, promised = 0.0, undrawable = 0.0, unnamed = 0.0;
   double flat = 1.0;  // `promised` as a multiple of the plan's strokes in the plane: of a wrap
-  // What a planner that knows the true canvas could draw: what lies above it, where it leans by
-  // less than 75°, less what the arm cannot reach. None if wrapped, and in older logs.
+  // The length that a planner that knows the true canvas could draw: all that lies above it where
+  // it leans by less than 75°, but for what the arm cannot reach. None if wrapped, and in older
+  // logs.
   std::optional<double> reachable;
   std::map<std::string, int> problems;    // findings by problem: {"too_steep", 3}
   std::map<std::string, double> lengths;  // of them; empty in older logs [m]
@@ -79,7 +80,7 @@ inline constexpr const char* kPromiseAttribute = "promise";
 std::string promise_text(const Promise& promise);
 std::optional<Promise> read_promise(const std::map<std::string, std::string>& attributes);
 
-// How much of a drawing was drawn, and what the rest lacks. Lengths are in the drawing plane.
+// The drawn share of a drawing, and the reasons for the rest. Lengths are in the drawing plane.
 //
 // Drawn: where a row has ink, whatever its place. Gaps of up to 1 mm count as drawn. The rest is,
 // by reason, what the pre-flight left out (names of Problem), what was given up while drawing

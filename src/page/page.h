@@ -4,7 +4,7 @@
 //
 //   run.h5, metrics, settings ──> JSON + packed columns ──> deflate ──> base64 in the page
 //
-// What the page shows was computed here or in metrics: the page only draws.
+// The page only draws: all that it shows was computed here or in metrics.
 #pragma once
 
 #include <cstddef>
@@ -39,7 +39,7 @@ struct PageMesh {
 PageMesh page_mesh(const std::vector<Eigen::Vector3d>& vertices,
                    const std::vector<Eigen::Vector3i>& triangles, std::size_t most, double off);
 
-// What a page shows of the canvas.
+// The canvas, as a page shows it.
 PageMesh canvas_mesh(const std::vector<Eigen::Vector3d>& vertices,
                      const std::vector<Eigen::Vector3i>& triangles);
 

@@ -192,8 +192,8 @@ Json step_plots(PackedColumns& columns, const RunData& run, const InkMatch& draw
   return out;
 }
 
-// What is plotted of a moving canvas: how its centre moved and how far it turned, truly and as
-// estimated, and how far the estimate is off at the tip.
+// The plots of a moving canvas: the motion of its centre and its turn, true and estimated, and the
+// estimate's error at the tip.
 class CanvasPlots {
  public:
   static constexpr std::size_t kSeries = 9;

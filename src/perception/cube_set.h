@@ -17,7 +17,7 @@ inline std::uint64_t cube_of(const Eigen::Vector3d& p) noexcept {
   };
   return 1ull << 63 | along(p.x()) << 42 | along(p.y()) << 21 | along(p.z());
 }
-// Of the cubes of `side` [m].
+// The key of the cube of `side` [m] that p lies in.
 inline std::uint64_t cube_of(const Eigen::Vector3d& p, double side) noexcept {
   return cube_of(Eigen::Vector3d(p / side));
 }

@@ -14,12 +14,12 @@ using Eigen::Vector3d;
 constexpr double kAbout = 2.5;      // how far along the wall pixels are counted, in cubes
 constexpr double kContrary = -0.5;  // cosine between the normals of two sides
 constexpr double kWall = 0.05;      // share of the points; fewer are a sharp edge, an ear's rim
-// How much more a pixel counts on a side that faces up or away from the object's middle. Cameras
-// may see the sides of an upright sheet equally well: the first view counts for more by a share, so
-// that one side wins all over.
+// The additional weight of a pixel on a side that faces up or away from the object's middle.
+// Cameras may see the sides of an upright sheet equally well: the first view counts for more by a
+// share, so that one side wins all over.
 constexpr double kUp = 4.0, kOutwards = 2.0, kEarlier = 0.25;
 
-// What one camera sees, thinned, where that is a surface.
+// The surface that one camera sees, thinned.
 struct View {
   std::vector<Vector3d> points, normals;
   std::vector<double> weight;

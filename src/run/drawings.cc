@@ -44,7 +44,7 @@ Move StandingDrawing::next(const Situation& now) {
     const StrokePart& at = *now.last.blocked;
     blocked_.add(at);
     std::vector<StrokePart> parts = remaining(e_, now.ink, blocked_.parts());
-    // What was passed without ink is drawn again at the end, not after each blocked place.
+    // Parts that were passed without ink are drawn again at the end, not after each blocked place.
     std::erase_if(parts, [&at](const StrokePart& p) {
       return p.stroke < at.stroke || (p.stroke == at.stroke && p.to <= at.to);
     });

@@ -124,8 +124,8 @@ class Driver {
   // compensates the arm's weight [Nm].
   virtual void command(const JointVector& tau, const JointVector& gravity) noexcept = 0;
 
-  // Why the arm can no longer be driven, as a user message; empty while it can. Stays set until
-  // start(). Checked after every read().
+  // The reason that the arm can no longer be driven, as a user message; empty while it can. Stays
+  // set until start(). Checked after every read().
   virtual const std::string& fault() const noexcept = 0;
 
   // Leaves the arm in a safe state. May be called in any state and repeatedly.

@@ -1,5 +1,5 @@
-// Where the frames of a canvas that moves come from: the driver (simulated_cameras.h), a capture
-// that is played back, or cameras that stream (both in streamed_capture.h).
+// The source of the frames of a canvas that moves: the driver (simulated_cameras.h), a capture that
+// is played back, or cameras that stream (both in streamed_capture.h).
 #pragma once
 
 #include <string>

@@ -90,7 +90,7 @@ class Reaction {
   State state() const noexcept { return state_; }
   bool brakes() const noexcept { return state_ == State::brake || state_ == State::halt; }
   bool lost_control() const noexcept { return brakes() || state_ == State::rise; }
-  // Why the motion was damped, if the drawing goes on; else empty.
+  // The reason that the motion was damped, if the drawing goes on; else empty.
   std::string& cause() noexcept { return cause_; }
 
  private:

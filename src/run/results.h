@@ -20,7 +20,7 @@ namespace impedraw {
 
 class Canvas;
 
-// What results show beside the log, which may be made before there is one.
+// The parts of results beside the log, which may be made before there is one.
 struct Backdrop {
   PageContext page{};
   std::shared_ptr<const Relief> relief{};  // of ink_top; null: made from the log

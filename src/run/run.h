@@ -87,7 +87,7 @@ struct SlowVelocity {
 
 // Record of the control loop, for the run's outcome.
 struct LoopRecord {
-  // Why the loop's thread has no real-time priority; empty: it has, or needs none.
+  // The reason that the loop's thread has no real-time priority; empty: it has, or needs none.
   std::string not_real_time;
   // Duration of each controller status: limits met, bad inputs [s].
   std::map<std::string, double> met;

@@ -78,7 +78,7 @@ class StreamClock {
   // Both, read together: how far a stamp is beyond the driver's time.
   double offset(double now, double time) noexcept;
   bool begun() const noexcept { return first_ > 0.0; }
-  // Of the driver's, over all that was read.
+  // The rate of the driver's time by the clock that it was read with, over all that was read.
   double rate() const noexcept { return (last_time_ - first_time_) / (last_ - first_); }
 
  private:
@@ -112,7 +112,7 @@ class StreamedCapture : public FrameSource {
     int frames = 0, damaged = 0, passed = 0;
   };
 
-  // Of each camera the next is the newest file that is newer than its last, and no newer than
+  // The next of each camera is the newest file that is newer than its last, and no newer than
   // `stamp` [s]. Returns the stamp of the newest of all.
   double look(double stamp);
 

@@ -40,8 +40,8 @@
 // A renamed setting or word of a choice keeps its old name as an alias:
 //   f.field("normal_force", s.force, ...).formerly("push");
 //   f.choice("sensor", s.sensor, ...).formerly("true", "ground_truth");
-// What a user of the program sets, rather than an expert on the arm: f.field(...).for_users();
-// A former setting that is a constant keeps its name, so that files with that value load and others
+// A setting for users of the program, rather than experts on the arm: f.field(...).for_users(); A
+// former setting that is a constant keeps its name, so that files with that value load and others
 // are refused by name:
 //   f.constant("fold_height", s.fold_height, {1e-6, 0.1}, "m");
 // A list that may be given as one value: f.field("speeds", s.speeds, ...).or_one();

@@ -1,4 +1,4 @@
-// What the line under the tip does: friction that varies along it, and a tip that wears.
+// The line under the tip: friction that varies along it, and a tip that wears.
 //
 //   μ(s) = μ (1 + a sin(2π s/L))    s: length slid, a: friction_change, L: friction_length
 //   ẇ    = k f_n |v_t|              w: length worn off, k: wear (Archard, J. Appl. Phys. 24, 1953)

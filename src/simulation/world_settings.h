@@ -155,7 +155,7 @@ struct ModelErrors {
 // Whose values stand where none are given: joint_springs.cc has them with their sources.
 enum class SpringsOf { none, iiwa, fr3, harmonic_drive };
 
-// Which side of the spring the joints' sensors read.
+// The side of the spring that the joints' sensors read.
 enum class SpringSide { as_published, motor, link };
 
 struct JointSpringSettings {

@@ -15,7 +15,8 @@ enum ImpedrawSvgVerb : std::uint8_t {  // points taken: 1, 1, 2, 3, 0
   IMPEDRAW_SVG_CLOSE = 4,
 };
 
-// What a fill hides. A veil is white and lets show what lies beneath, on which its edge is seen.
+// The part of what lies beneath that a fill hides. A veil is white and lets show what lies beneath,
+// on which its edge is seen.
 enum ImpedrawSvgHides : std::uint8_t {
   IMPEDRAW_SVG_NOTHING = 0,
   IMPEDRAW_SVG_BENEATH = 1,
@@ -61,8 +62,8 @@ struct ImpedrawSvgClip {
   std::uint8_t mask;
 };
 
-// What is painted as a whole: its opacity, and how it mixes with what lies beneath, as usvg counts
-// its blend modes.
+// A group that is painted as a whole: its opacity, and how it mixes with what lies beneath, as usvg
+// counts its blend modes.
 struct ImpedrawSvgGroup {
   std::uint32_t parent;  // counted from 1; 0: none
   float opacity;

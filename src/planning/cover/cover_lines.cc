@@ -258,7 +258,7 @@ CoverLines cover_lines(const SurfaceGrid& g, const Centres& centres, const Cover
   if (layout == Layout::rings) rings = ring_distances(spacing_r);
   for (const double distance : rings) along_border(distance * radius, 1);
 
-  // Where rows are even that go on beyond: as far in as the lines before them treat, less the rim.
+  // Rows that go on beyond are even as far in as the lines before them treat, less the rim.
   const double even = static_cast<double>(rounds + std::ssize(rings)) * spacing_r - kRim;
   const double inner = (even + kFirstRow) * radius;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();

@@ -49,7 +49,7 @@ struct CoverLines {
   std::size_t edges = 0;                             // the first passes, on the border
   std::size_t rows = 0;                              // lines that are level sets
 };
-// Which leaves less uneven depends on the area.
+// The area decides which of the two leaves less uneven.
 enum class Layout { rows, rings };
 CoverLines cover_lines(const SurfaceGrid& grid, const Centres& centres, const CoverWish& wish,
                        Layout layout = Layout::rows);

@@ -12,8 +12,8 @@
 
 namespace impedraw {
 
-// Of the centres, their clearance and feet are read. The first `fixed` lines stay where they are.
-// Returns the coefficient of variation that is left, √(E / area).
+// The centres' clearance and feet are read. The first `fixed` lines stay where they are. Returns
+// the coefficient of variation that is left, √(E / area).
 double even_lines(const SurfaceGrid& grid, const Centres& centres, const std::vector<char>& places,
                   std::size_t fixed, PlaneLines* lines);
 

@@ -78,8 +78,8 @@ struct PathMove {
 // `limits`: its speed and acceleration count.
 PathMove move_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to, SpeedSpan limits);
 PathMove turn_between(const Eigen::Vector3d& n, const Eigen::Vector3d& to, SpeedSpan limits);
-// Of a led heading, off the splines: x at the leg's start, which n carries along, and its turn
-// about n, the other way round if `back`.
+// The part of a led heading that the splines lack: x at the leg's start, which n carries along, and
+// its turn about n, the other way round if `back`.
 struct PathSpin {
   Eigen::Vector3d x;
   SpeedSpan progress{};  // [rad]

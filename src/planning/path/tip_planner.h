@@ -71,7 +71,7 @@ struct PathSettings {
   bool vertical_pen = false;  // n = +z always (blind)
   // depth of the desired point below the surface while the pen is down (blind) [m]
   double sink = 0;
-  // Of a tool that is led; none: the heading is free. Along strokes it turns within turn_speed and
+  // A led tool's heading; none: the heading is free. Along strokes it turns within turn_speed and
   // turn_acceleration, too.
   std::optional<ToolHeading> heading;
 };

@@ -38,8 +38,8 @@ struct PlaceSearchSettings {
   std::function<double(const Eigen::Vector3d& p_P)> rough;  // null: 0
 };
 
-// Why a cell cannot be drawn on. Edge: broken, by a step that the slopes on both sides do not
-// explain. Unreachable: u = 1. The planner's surface is missing where it is too rough, too.
+// The reason that a cell cannot be drawn on. Edge: broken, by a step that the slopes on both sides
+// do not explain. Unreachable: u = 1. The planner's surface is missing where it is too rough, too.
 enum class CellTrouble : std::uint8_t { none, missing, steep, edge, avoided, unreachable };
 
 // The drawing, about its middle, is turned by turn_deg, scaled by `size` and put at `middle`.

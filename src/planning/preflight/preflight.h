@@ -13,7 +13,7 @@
 //   torque     |g_j − J_jᵀ n F| + μ F |J_jᵀ across n| ≤ torque_share × limit: at rest, with push F
 //              and friction μ F in any direction across it
 //   collision  the arm's bodies and the pen's shaft against the canvas and the table (clearance.h)
-// Where the verdict changes, bisection locates the boundary to edge_tolerance, on the good side.
+// Bisection locates each change of the verdict to edge_tolerance, on the good side.
 //
 // Drawable parts and findings together cover each stroke from end to end. At the start of a
 // drawable part the arm arrives through the air. check_transitions checks these motions once the

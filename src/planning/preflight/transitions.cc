@@ -160,7 +160,7 @@ class PathWalk {
     return {beneath ? below->p_W : now.p_WD, -now.n_WD, now.x_WD};
   }
 
-  // What a motion through the air asks of the arm, from the last posture to this one.
+  // A motion through the air, from the last posture to this one: its joint speeds and its ends.
   void judge(const Posture& posture, double moved, double turned, const Vector3d& p) {
     if (last_ && posture.reached && last_->reached) {
       const PostureCheck::Change by = PostureCheck::change(*last_, posture);

@@ -8,7 +8,7 @@
 namespace impedraw {
 namespace {
 constexpr double kAside = 1.0e-3;  // [m]
-// Of the force across the normal, over what the law expects.
+// The force across the normal over what the law expects.
 constexpr double kSpread = 1.3;
 
 // The place that holds the tip, from where it is to where the plan is.
