@@ -337,6 +337,10 @@ CLI::App* add_judge(CLI::App& app, Call& call) {
       "--sensor", call.judged.sensor,
       "CSV file that a sensor under the workpiece leaves after the runs, for an arm "
       "that measures no wrench: time,force (docs/force.md)");
+  command->add_option(
+      "--rig", call.judged.rig,
+      "JSON file that tells a rig before each run what the workpiece under a driven arm is and "
+      "does (docs/force.md); without, cases on other workpieces than the bowl are left out");
   command->add_option("--out", call.options.out, "folder (default: runs/judge-force)");
   add_set(command, &call.options,
           "override a setting, as in --set control.wrench=ground_truth; may be repeated");

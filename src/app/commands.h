@@ -86,6 +86,7 @@ struct JudgeForceOptions {
   std::vector<std::string> cases;        // empty: all
   int runs = 5;
   std::filesystem::path sensor;  // readings under the workpiece (SensorFile); empty: the arm's own
+  std::filesystem::path rig;     // file of a rig's orders (force_rig.h); empty: there is no rig
 };
 
 // Leaves force.json and force.html in options.out, by default runs/judge-force. Ctrl-C keeps what

@@ -84,6 +84,7 @@ std::string command_of(const DrawOptions& options, const JudgeForceOptions& judg
   if (!judged.controllers.empty())
     text += fmt::format(" --controllers {}", fmt::join(judged.controllers, ","));
   if (!judged.sensor.empty()) text += " --sensor " + judged.sensor.string();
+  if (!judged.rig.empty()) text += " --rig " + judged.rig.string();
   if (judged.runs != 5) text += fmt::format(" --runs {}", judged.runs);
   for (const std::string& set : options.assignments) text += fmt::format(" --set '{}'", set);
   return text;
@@ -125,20 +126,23 @@ int judge_force(DrawOptions options, const JudgeForceOptions& judged) {
   const Scenario scenario = scenario_of(options, judged, &places);
   Prepared experiment = prepare(scenario, places);
   const DriverMaker make_driver = driver_maker(experiment);
+  if (!judged.rig.empty() && !make_driver)
+    throw InputError(
+        "--rig: the simulated arm has its own workpieces; valid with --arm iiwa-lcm or franka");
   const auto start = Clock::now();
 
   results.arm = name_of_arm(judged, scenario);
   results.driver = is_driver(judged.arm) ? judged.arm : "sim";
   results.runs = judged.runs;
   const auto kept = std::stable_partition(cases.begin(), cases.end(), [&](const ForceCase& c) {
-    return !make_driver || !c.needs_own_world();
+    return !make_driver || !judged.rig.empty() || !c.needs_rig();
   });
   for (auto c = kept; c != cases.end(); ++c) results.left_out.push_back(c->name);
   cases.erase(kept, cases.end());
   if (cases.empty())
     throw InputError(fmt::format(
-        "--cases: {}: these need a workpiece of this program's simulator; valid with --arm {}: "
-        "contact-10, steps, sweep, hold-still, curved-50, for instance",
+        "--cases: {}: these need another workpiece; valid with --arm {} are --rig, or contact-10, "
+        "steps, sweep, hold-still, curved-50, for instance",
         fmt::join(results.left_out, ", "), judged.arm));
 
   const Interrupt interrupt;
@@ -146,7 +150,7 @@ int judge_force(DrawOptions options, const JudgeForceOptions& judged) {
   double done = 0.0;
   ProgressLine line;
   {
-    ForceBench bench(experiment, make_driver, !judged.sensor.empty());
+    ForceBench bench(experiment, make_driver, !judged.sensor.empty(), judged.rig);
     const auto go_on = [&] { return !interrupt.requested() && !interrupt.emergency(); };
     for (const ForceCase& c : cases) {
       results.cases.push_back({c, {}});

@@ -327,9 +327,14 @@ bool FrankaFci::recover(JointVector* q) noexcept {
   try {
     if (!reflex_ || !link_ || !link_->connected() || fci_collision(last_.reflex_reason))
       return false;
+    // A drawing goes on from where the arm has come to rest.
+    const double end = wall_seconds() + kRecovery;
+    do await_state();
+    while (last_.arm.v.cwiseAbs().maxCoeff() > kDampedSpeed && wall_seconds() < end);
     const auto answer = link_->request(FciCommand::automatic_error_recovery, {}, kRecovery);
     if (answer.empty() || answer[0] != kFciSuccess) return false;
-    await_state();
+    do await_state();
+    while (last_.mode != FciMode::idle && wall_seconds() < end);
     if (last_.mode != FciMode::idle) return false;
     *q = last_.arm.q;
     start_q_ = last_.arm.q;

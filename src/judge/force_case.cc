@@ -84,7 +84,7 @@ SurfaceEstimate Workpiece::estimate(const Eigen::Vector3d& q_W) const noexcept {
 
 namespace {
 
-constexpr double kTravelSpeed = 0.15, kLeastTravel = 0.3;  // [m/s], mean; [s]
+constexpr double kTravelSpeed = 0.08, kLeastTravel = 0.3;  // [m/s], mean; [s]
 constexpr double kRise = 0.04;                             // of the press, first order [s]
 constexpr double kSteady = 0.4;                            // judged at the end of a plateau [s]
 

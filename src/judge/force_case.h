@@ -15,6 +15,7 @@
 // touch presses from the end of the descent on, over 40 ms.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -79,10 +80,13 @@ struct ForceCase {
   std::optional<Eigen::Vector2d> stiffness;
   std::optional<PushSettings> hand;  // on the pen, kHand after the programme's start
 
-  // A workpiece other than the bowl that stands, or a hand: in this program's own world alone.
-  bool needs_own_world() const {
-    return shape != Workpiece::Shape::bowl || motion || stiffness || hand;
+  // At a share of the programme [N/m].
+  double stiffness_at(double share) const {
+    return (*stiffness)[0] * std::pow((*stiffness)[1] / (*stiffness)[0], share);
   }
+  // A workpiece other than the bowl that stands, or a hand: of this program's own world, or of a
+  // rig that is told (force_rig.h).
+  bool needs_rig() const { return shape != Workpiece::Shape::bowl || motion || stiffness || hand; }
 };
 
 std::vector<ForceCase> force_cases();

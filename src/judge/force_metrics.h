@@ -1,4 +1,4 @@
-// What a run of the force benchmark comes to. The force is that of a sensor under the workpiece:
+// The figures of a run of the force benchmark. The force is that of a sensor under the workpiece:
 // the true contact force along the true normal, where a simulator gives it.
 //
 //   settling_time  from the end of a change of the command until the force stays within 5 % of the

@@ -17,7 +17,7 @@ std::string name_of(ForceController controller) {
   return std::string(kForceControllerNames[static_cast<int>(controller)]);
 }
 
-// What is there is better than nothing.
+// A figure that is there is better than none.
 bool better(int metric, const std::optional<double>& a, const std::optional<double>& b) {
   if (!a || !b) return a.has_value();
   return greater_is_better(metric) ? *a > *b : std::abs(*a) < std::abs(*b);

@@ -15,6 +15,9 @@
 
 #include "impedraw/common/rotations.h"
 #include "impedraw/common/seeded_normals.h"
+#include "impedraw/files/durable_file.h"
+#include "impedraw/judge/force_rig.h"
+#include "impedraw/run/motion_check.h"
 #include "impedraw/run/simulated_arm.h"
 
 namespace impedraw {
@@ -24,6 +27,8 @@ constexpr double kHeightError = 5e-4;                          // [m]
 constexpr double kTiltError = 0.5 * std::numbers::pi / 180.0;  // [rad]
 constexpr double kTouch = 0.05;                                // [N]
 constexpr double kMostForce = 100.0;                           // ends a run [N]
+constexpr double kMostSpeed = 0.95;                            // the same, of a joint's rated one
+constexpr double kCalm = 1.0;                                  // longest damping after it [s]
 
 Pose belief_error(int seed) {
   SeededNormals normals(static_cast<std::uint64_t>(seed));
@@ -88,8 +93,9 @@ struct ForceBench::Law {
   std::variant<std::monostate, std::unique_ptr<ControlLoop>, CrispLaw, FeedforwardLaw> law;
 };
 
-ForceBench::ForceBench(Prepared& e, const DriverMaker& make_driver, bool has_sensor)
-    : e_(e), as_given_(e.scenario) {
+ForceBench::ForceBench(Prepared& e, const DriverMaker& make_driver, bool has_sensor,
+                       std::filesystem::path rig)
+    : e_(e), as_given_(e.scenario), rig_(std::move(rig)) {
   piece_.p_W += e.scenario.canvas.move;
   if (!make_driver) return;
   driver_ = make_driver(e.belief.start_q, nullptr);
@@ -128,14 +134,6 @@ void ForceBench::set_shape(Workpiece::Shape shape) {
   shape_ = shape;
 }
 
-CanvasMotion ForceBench::motion(const ForceCase& c, double start) const {
-  if (!c.motion) return {};
-  CanvasMotionSettings settings = *c.motion;
-  settings.centre += piece_.p_W;
-  settings.start = start;
-  return CanvasMotion(settings);
-}
-
 ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int seed,
                          const std::function<bool()>& go_on) {
   Workpiece believed = piece_;
@@ -154,7 +152,7 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
     const double start = programme_from(e_.belief.start_q).start();
     set_shape(c.shape);
     world = e_.truth.world.get();
-    world->move_canvas(motion(c, start));
+    world->move_canvas(motion_of(c, piece_, start));
     world->set_tip(tip);
     e_.scenario.seed = as_given_.seed + seed;
     simulated.emplace(
@@ -166,6 +164,7 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
   // A driven arm's last state of the run before waits for its answer.
   const ArmState* state = driver_ && state_ ? state_ : &driver->read();
   const ForceProgramme programme = programme_from(world ? e_.belief.start_q : state->q);
+  if (!rig_.empty()) write_whole(rig_, rig_order(c, piece_, programme, ++orders_));
 
   ForceRun run;
   run.record.reserve(static_cast<std::size_t>(programme.leave() / driver->info().period) + 1);
@@ -176,8 +175,7 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
     const ForceCommand command = programme.at(t);
     if (world && c.stiffness) {
       TipMaterial now = tip;
-      now.stiffness =
-          (*c.stiffness)[0] * std::pow((*c.stiffness)[1] / (*c.stiffness)[0], programme.share(t));
+      now.stiffness = c.stiffness_at(programme.share(t));
       now.damping = tip.damping * std::sqrt(now.stiffness / tip.stiffness);
       world->set_tip(now);
     }
@@ -195,14 +193,38 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
     if (world && c.stiffness) world->forget_touching_link();
     state = &driver->read();
     if (!driver->fault().empty()) run.ended = driver->fault();
+    // A driven arm would end its session, and with it every later run.
+    Eigen::Index j = 0;
+    const JointVector& rated = e_.belief.arm.limits().speed;
+    if (driver_ && (state->v.cwiseAbs() - kMostSpeed * rated).maxCoeff(&j) > 0.0)
+      run.ended = fmt::format("joint {} turned at {:.2f} rad/s; it is rated for {:.2f}", j + 1,
+                              std::abs(state->v[j]), rated[j]);
     if (std::abs(force) > kMostForce) run.ended = fmt::format("force of {:.0f} N", force);
     if (t > programme.descent() && !law.tared())
       run.ended = "the arm was not at rest long enough to tare its sensor";
     if (!go_on()) run.ended = "interrupted";
     if (!run.ended.empty()) break;
   }
+  // What ended early must not reach into the next run.
+  const double ended = state->time;
+  while (driver_ && !run.ended.empty() && driver_->fault().empty() &&
+         state->v.cwiseAbs().maxCoeff() > kDampedSpeed && state->time < ended + kCalm) {
+    law.arm.compute(state->q, state->v, &law.terms);
+    driver->command(law.terms.g + damping_torque(law.terms.M, state->v), law.terms.g);
+    state = &driver->read();
+  }
   state_ = driver_ ? state : nullptr;
+  // A reflex of the arm ends its motion, not the benchmark.
+  JointVector q;
+  if (driver_ && !driver_->fault().empty()) {
+    driver_->stop();
+    if (e_.scenario.arm.recoveries > 0 && driver_->recover(&q)) {
+      driver_->start();
+      state_ = nullptr;
+    }
+  }
   run.begin = begin;
+  run.order = orders_;
   run.programme = programme;
   if (measured) run.ask();
   return run;
@@ -229,27 +251,38 @@ SensorFile::SensorFile(const std::filesystem::path& file, double patience) {
   std::ifstream in(file);
   std::string line;
   std::getline(in, line);  // the columns' names
+  const bool has_runs = line.starts_with("run");
   for (int number = 2; std::getline(in, line); ++number) {
-    double time = 0.0, force = 0.0;
-    if (std::sscanf(line.c_str(), "%lf,%lf", &time, &force) != 2 ||
-        (!readings_.empty() && !(time > readings_.back().first)))
+    Reading r;
+    const bool read = has_runs
+                          ? std::sscanf(line.c_str(), "%d,%lf,%lf", &r.run, &r.time, &r.force) == 3
+                          : std::sscanf(line.c_str(), "%lf,%lf", &r.time, &r.force) == 2;
+    if (!read || (!readings_.empty() && !readings_.back().before(r)))
       throw InputError(fmt::format(
-          "--sensor {}:{}: valid is a time [s], later than the line before, a comma and a force "
+          "--sensor {}:{}: valid is {}a time [s], later than the line before, a comma and a force "
           "[N]",
-          file.string(), number));
-    readings_.emplace_back(time, force);
+          file.string(), number, has_runs ? "the number of a run, a comma, " : ""));
+    readings_.push_back(r);
   }
   if (readings_.size() < 2)
     throw InputError(fmt::format("--sensor {}: fewer than two readings", file.string()));
 }
 
 void SensorFile::fill(ForceRun* run) const {
+  const bool has_runs = readings_.front().run > 0;
   for (JudgedSample& s : run->record) {
-    const double t = run->begin + s.time;
-    auto after = std::lower_bound(readings_.begin() + 1, readings_.end() - 1, std::pair(t, -1e300));
-    const auto before = after - 1;
-    const double share = std::clamp((t - before->first) / (after->first - before->first), 0.0, 1.0);
-    s.force = before->second + share * (after->second - before->second);
+    Reading at;
+    at.run = has_runs ? run->order : 0;
+    at.time = has_runs ? s.time : run->begin + s.time;
+    auto after = std::lower_bound(readings_.begin(), readings_.end(), at,
+                                  [](const Reading& a, const Reading& b) { return a.before(b); });
+    // Beyond a run's readings the nearest one of them holds.
+    if (after == readings_.end() || after->run != at.run) --after;
+    const auto before =
+        after == readings_.begin() || (after - 1)->run != at.run ? after : after - 1;
+    const double span = after->time - before->time;
+    const double share = span > 0.0 ? std::clamp((at.time - before->time) / span, 0.0, 1.0) : 0.0;
+    s.force = before->force + share * (after->force - before->force);
   }
 }
 

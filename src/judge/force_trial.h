@@ -114,6 +114,7 @@ inline constexpr std::string_view kForceControllerTitles[] = {
 struct ForceRun {
   std::string ended;                 // why it ended early; empty: it did not
   double begin = 0.0;                // by the driver's clock [s]
+  int order = 0;                     // its number for a rig; 0: there is none
   std::vector<JudgedSample> record;  // the whole of it; a force that nothing measures is NaN
   ForceQuestion question;            // for judge_force()
   std::optional<ForceProgramme> programme;
@@ -123,7 +124,8 @@ struct ForceRun {
 };
 
 // Readings of a sensor under the workpiece that is not the arm's own: a CSV file with the columns
-// time, by the arm's clock since its session began [s], and force along the normal [N].
+// time, by the arm's clock since its session began [s], and force along the normal [N]; or, where a
+// rig knows the runs, with run, time since its first torque, and force.
 class SensorFile {
  public:
   // Waits for the file for `patience` [s]. Throws InputError that names the line at fault.
@@ -131,15 +133,25 @@ class SensorFile {
   void fill(ForceRun* run) const;  // the record's forces, between readings evenly
 
  private:
-  std::vector<std::pair<double, double>> readings_;
+  struct Reading {
+    int run = 0;  // 0: the file has no runs
+    double time = 0.0, force = 0.0;
+
+    bool before(const Reading& other) const {
+      return run != other.run ? run < other.run : time < other.time;
+    }
+  };
+  std::vector<Reading> readings_;
 };
 
 class ForceBench {
  public:
   // experiment: with an arm and its control set-up; its canvas is replaced. make_driver: as
-  // draw_into()'s. has_sensor: the force is in a file (SensorFile). Throws InputError where nothing
+  // draw_into()'s. has_sensor: the force is in a file (SensorFile). rig: file that each run's order
+  // is written to as a whole before its first torque (force_rig.h). Throws InputError where nothing
   // measures the force, and what starting throws.
-  ForceBench(Prepared& experiment, const DriverMaker& make_driver, bool has_sensor);
+  ForceBench(Prepared& experiment, const DriverMaker& make_driver, bool has_sensor,
+             std::filesystem::path rig = {});
   ~ForceBench();
 
   // seed: 1 for the first run. `go_on` is asked each cycle; false: the pen goes up, and the run
@@ -152,7 +164,6 @@ class ForceBench {
  private:
   struct Law;
   void set_shape(Workpiece::Shape shape);
-  CanvasMotion motion(const ForceCase& c, double start) const;
 
   Prepared& e_;
   Workpiece piece_;
@@ -160,6 +171,8 @@ class ForceBench {
   std::unique_ptr<Driver> driver_;         // null: a simulated arm for each run
   const ArmState* state_ = nullptr;        // of the driven arm, not yet answered
   std::optional<Workpiece::Shape> shape_;  // of the simulated workpiece
+  std::filesystem::path rig_;              // file of its orders; empty: none
+  int orders_ = 0;                         // given to it
 };
 
 }  // namespace impedraw

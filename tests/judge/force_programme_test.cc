@@ -1,15 +1,20 @@
 // The benchmark's references and workpieces against finite differences and the true mesh.
+#include <cmath>
 #include <fstream>
+#include <numbers>
 #include <set>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include "impedraw/canvas/canvas.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/rotations.h"
 #include "impedraw/judge/force_case.h"
+#include "impedraw/judge/force_rig.h"
 #include "impedraw/judge/force_trial.h"
 
 namespace impedraw {
@@ -66,6 +71,47 @@ TEST(ForceProgramme, NamesDifferAndWrongOnesAreTold) {
   EXPECT_THROW(force_cases({"stepps"}), InputError);
 }
 
+// What a rig is told, against the closed form of each case's motion, spring and hand.
+TEST(ForceRig, IsToldWhatTheWorkpieceDoes) {
+  const auto order = [](const std::string& name, int number) {
+    const ForceCase c = force_cases({name}).front();
+    Workpiece piece;
+    piece.shape = c.shape;
+    const ForceProgramme programme(c, piece, {0.6, 0.0, 0.13}, Vector3d::UnitZ());
+    return nlohmann::json::parse(rig_order(c, piece, programme, number));
+  };
+  const auto still = order("hold-still", 3);
+  EXPECT_EQ(still["run"], 3);
+  EXPECT_EQ(still["shape"], "bowl");
+  EXPECT_TRUE(still["poses"].empty() && still["stiffness"].empty() && still["hand"].empty());
+  EXPECT_DOUBLE_EQ(still["leave"].get<double>() - still["start"].get<double>(),
+                   5.0 + ForceProgramme::kLeave);
+
+  const auto tilting = order("hold-tilting", 1);
+  EXPECT_EQ(tilting["shape"], "flat");
+  EXPECT_EQ(tilting["poses"].size(), 5501u);
+  const std::vector<double> first = tilting["poses"][0], later = tilting["poses"][3000];
+  EXPECT_EQ(first, (std::vector<double>{0, 0, 0, 1, 0, 0, 0}));
+  // After the ramp: 2° sin(2π 0.4 Hz (t − ramp's lag)) about y through a point 50 mm beside.
+  const double roll = 2.0 * std::atan2(later[5], later[3]);
+  EXPECT_LE(std::abs(roll), 2.0 * std::numbers::pi / 180.0 + 1e-12);
+  EXPECT_GT(std::abs(roll), 0.01);
+  const Vector3d axis(0.55, 0.0, 0.10), p(later[0], later[1], later[2]);
+  EXPECT_LT((rotation({0.0, roll, 0.0}) * axis + p - axis).norm(), 1e-12) << "the axis stands";
+
+  const auto stiffening = order("hold-stiffening", 1);
+  const std::vector<double> k = stiffening["stiffness"];
+  EXPECT_NEAR(k[0], 1e3, 1e-9);
+  EXPECT_NEAR(k[2500], std::sqrt(1e3 * 1e6), 1e-6);
+  EXPECT_NEAR(k[5000], 1e6, 1e-6);
+  EXPECT_NEAR(k.back(), 1e6, 1e-6);
+
+  Vector3d impulse = Vector3d::Zero();
+  const auto across = order("hand-across", 1);
+  for (const std::vector<double> F : across["hand"]) impulse += 1e-3 * Vector3d(F[0], F[1], F[2]);
+  EXPECT_LT((impulse - Vector3d(0.0, 10.0, 0.0)).norm(), 0.02) << "10 N for a second";
+}
+
 // Readings of a ramp, and a run that began 2 s into the session.
 TEST(ForceSensor, FillsARecordFromItsFile) {
   const auto file = std::filesystem::temp_directory_path() / fmt::format("sensor-{}.csv", getpid());
@@ -81,6 +127,14 @@ TEST(ForceSensor, FillsARecordFromItsFile) {
   run.ask();
   EXPECT_EQ(run.ended, "");
   EXPECT_DOUBLE_EQ(run.question.from, run.programme->start());
+  // By runs: another run's readings say nothing.
+  std::ofstream(file) << "run,time,force\n3,0,50\n3,9,50\n4,0,1\n4,4,9\n5,0,70\n";
+  run.order = 4;
+  SensorFile(file, 0.0).fill(&run);
+  for (const JudgedSample& s : run.record)
+    EXPECT_NEAR(s.force, std::min(9.0, 1.0 + 2.0 * s.time), 1e-12);
+  std::ofstream(file) << "run,time,force\n4,0,1\n4,0,9\n";
+  EXPECT_THROW(SensorFile(file, 0.0), InputError);
   std::ofstream(file) << "time,force\n0,0\n1;20\n";
   EXPECT_THROW(SensorFile(file, 0.0), InputError);
   std::filesystem::remove(file);

@@ -60,7 +60,9 @@ TEST_F(JudgeForce, NamesWhatIsWrong) {
       {{"--runs", "0"}, "--runs"},
       {{"--arm", "ur6e"}, "ur5e"},
       {{"--set", "canvas.kind=plane", "--cases", "steps"}, "canvas.kind"},
-      {{"--arm", "iiwa-lcm", "--cases", "hand-across"}, "valid"}};
+      {{"--rig", "orders.json", "--cases", "steps"}, "its own workpieces"},
+      {{"--arm", "iiwa-lcm", "--cases", "hand-across", "--set", "control.wrench=ground_truth"},
+       "--rig"}};
   for (const auto& [words, said] : cases) {
     const Ended ended = call(words);
     EXPECT_EQ(ended.code, 2) << ended.err;

@@ -128,14 +128,15 @@ def speed():
     return {"drawn": drawn, "replayed": replayed, "share": drawn / replayed, "cores": os.cpu_count(), "load": os.getloadavg()[0]}
 
 
-def force():
-    """The force benchmark, by the wrench of Drake's contact."""
+def force(long=False):
+    """The force benchmark, by the force of Drake's contact."""
     scenario = HERE / "iiwa-sine.yaml"
     start = cases.start_posture(scenario, OUT, *cases.FORCE_ARGUMENTS)
-    with broker() as (url, _), simulation(url, OUT / "force.npz", start, ["--wrench", "--rotor", "0.1"]):
+    with broker() as (url, _):
         return cases.judge_force(
-            [PROGRAM, "judge-force", scenario, "--arm", "iiwa-lcm", "--set", f"arm.url={url}", *cases.FORCE_ARGUMENTS], OUT / "force"
-        )
+            [PROGRAM, "judge-force", scenario, "--arm", "iiwa-lcm", "--set", f"arm.url={url}"], OUT / ("force-all" if long else "force"),
+            lambda file, arguments: simulation(url, file, start, ["--wrench", "--rotor", "0.1", *arguments]), long,
+        )  # fmt: skip
 
 
 def absent():
@@ -279,10 +280,11 @@ CASES = {
     "stock-rate": stock_rate,
     "hold": hold,
     "force": force,
+    "force-all": lambda: force(True),
     "speed": speed,
 }
 USUAL = ["absent", "sine", "slider-sine", "eyes-sine", "broker-killed", "sigterm"]
-EVERY = [name for name in CASES if name in BOUNDS or name not in DRAWINGS]
+EVERY = [name for name in CASES if name in BOUNDS or name not in DRAWINGS and name != "force-all"]
 
 if __name__ == "__main__":
     cases.main("drake", OUT, BOUNDS, CASES, USUAL, EVERY)

@@ -18,9 +18,10 @@ BOWL_RADIUS, BOWL_CENTRE, BOWL_OPENING = 0.30, numpy.array([0.60, 0.0, 0.40]), 0
 WAVE_CENTRE, WAVE_SIDE, WAVE_AMPLITUDE, WAVE_LENGTH = numpy.array([0.60, 0.0, 0.10]), 0.36, 0.015, 0.20
 
 
-def arm_urdf(out, mass_of_pen=1.0, rotor_inertia=0.0, seen=False):
+def arm_urdf(out, mass_of_pen=1.0, rotor_inertia=0.0, seen=False, rig=False):
     """models/iiwa14_pen.urdf as Drake needs it: a motor on each joint, no bodies that collide but a compliant ball at the tip.
-    `seen`: with the shapes that a camera sees."""
+    `seen`: with the shapes that a camera sees. `rig`: with the ball of the force benchmark."""
+    radius, modulus, resolution = (CONTACT["rig_" * rig + name] for name in ("ball_radius", "modulus", "ball_resolution"))
     tree = ElementTree.parse(ROOT / "models/iiwa14_pen.urdf")
     robot = tree.getroot()
     for link in robot.findall("link"):
@@ -47,13 +48,13 @@ def arm_urdf(out, mass_of_pen=1.0, rotor_inertia=0.0, seen=False):
     robot.set("xmlns:drake", "https://drake.mit.edu/")
     pen = robot.find("link[@name='pen']")
     ball = ElementTree.SubElement(pen, "collision", name="tip_ball")
-    ElementTree.SubElement(ball, "origin", xyz=f"0 0 {0.12 - CONTACT['ball_radius']}")
-    ElementTree.SubElement(ElementTree.SubElement(ball, "geometry"), "sphere", radius=str(CONTACT["ball_radius"]))
+    ElementTree.SubElement(ball, "origin", xyz=f"0 0 {0.12 - radius}")
+    ElementTree.SubElement(ElementTree.SubElement(ball, "geometry"), "sphere", radius=str(radius))
     properties = ElementTree.SubElement(ball, "drake:proximity_properties")
     ElementTree.SubElement(properties, "drake:compliant_hydroelastic")
     for name, value in (
-        ("hydroelastic_modulus", CONTACT["modulus"]),
-        ("mesh_resolution_hint", CONTACT["ball_resolution"]),
+        ("hydroelastic_modulus", modulus),
+        ("mesh_resolution_hint", resolution),
         ("hunt_crossley_dissipation", CONTACT["dissipation"]),
         ("mu_dynamic", CONTACT["friction"]),
         ("mu_static", CONTACT["friction"]),

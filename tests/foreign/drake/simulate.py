@@ -4,7 +4,10 @@ The loop of the driver's side is Drake's own: SimIiwaDriver, IiwaCommandReceiver
 the wall's; from then on in lock-step (each status waits for the command that echoes its utime) or free (--free). With --wrench, the
 force of Drake's contact on the pen is sent beside, WRENCH_DELAY late. Everything is logged here: what is judged is Drake's own.
 
+With --rig, the workpiece is what a file orders before each run (../rig.py), and OUT is a sensor's file.
+
 Usage: simulate.py URL OUT.npz --start q1,…,q7 [--wrench] [--free] [--seconds S] [--pen-mass 1.2] [--rotor 0.1] [--canvas wave]
+       simulate.py URL OUT.csv --start q1,…,q7 --wrench --rig ORDERS.json
 """
 import argparse
 import collections
@@ -28,6 +31,7 @@ from pydrake.systems.primitives import Adder
 from pydrake.systems.lcm import LcmPublisherSystem, LcmSubscriberSystem
 
 import scene
+from workpieces import Workpieces
 
 WRENCH_DELAY = 2  # plant steps
 WRENCH_CHANNEL = "IMPEDRAW_TIP_WRENCH"
@@ -44,15 +48,19 @@ def build(folder, lcm, arguments):
         ),
         builder,
     )
-    urdf = scene.arm_urdf(f"{folder}/arm.urdf", arguments.pen_mass, arguments.rotor)
+    urdf = scene.arm_urdf(f"{folder}/arm.urdf", arguments.pen_mass, arguments.rotor, rig=bool(arguments.rig))
     arm = Parser(plant).AddModels(str(urdf))[0]
     plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("link_0"))
     properties = ProximityProperties()
     friction = CoulombFriction(scene.CONTACT["friction"], scene.CONTACT["friction"])
     AddContactMaterial(dissipation=scene.CONTACT["dissipation"], friction=friction, properties=properties)
     AddRigidHydroelasticProperties(scene.CONTACT["bowl_edge"], properties)
-    canvas = scene.CANVASES[arguments.canvas](f"{folder}/canvas.obj")
-    plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), Mesh(str(canvas), 1.0), "canvas", properties)
+    rig = None
+    if arguments.rig:
+        rig = Workpieces(arguments.rig, plant, folder, properties)
+    else:
+        canvas = scene.CANVASES[arguments.canvas](f"{folder}/canvas.obj")
+        plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), Mesh(str(canvas), 1.0), "canvas", properties)
     plant.Finalize()
 
     # The arm that Drake's driver compensates: the true one, as the iiwa's own controller would with its tool told to it.
@@ -80,7 +88,10 @@ def build(folder, lcm, arguments):
     # Somebody leans on the arm: joint torques that act on it, and that its driver reports as it does those of contact.
     external = builder.AddSystem(Adder(2, 7))
     builder.ExportInput(external.get_input_port(1), "shove")
-    builder.ConnectInput("shove", plant.get_applied_generalized_force_input_port())
+    if rig:
+        builder.ExportInput(plant.get_applied_generalized_force_input_port(), "all_joints")
+    else:
+        builder.ConnectInput("shove", plant.get_applied_generalized_force_input_port())
     builder.Connect(plant.get_generalized_contact_forces_output_port(arm), external.get_input_port(0))
     builder.Connect(external.get_output_port(), driver.GetInputPort("generalized_contact_forces"))
     builder.Connect(driver.GetOutputPort("actuation"), plant.get_actuation_input_port(arm))
@@ -90,7 +101,7 @@ def build(folder, lcm, arguments):
     if sender.HasInputPort("position_commanded") and not driver.HasOutputPort("position_commanded"):
         builder.Connect(driver.GetOutputPort("position_measured"), sender.GetInputPort("position_commanded"))
     builder.Connect(sender.get_output_port(), publisher.get_input_port())
-    return builder.Build(), plant, arm, publisher
+    return builder.Build(), plant, graph, arm, publisher, rig
 
 
 class Commands:
@@ -118,19 +129,23 @@ def main():
     parser.add_argument("--rotor", type=float, default=0.0)
     parser.add_argument("--rate", type=float, default=1000.0, help="of the statuses [Hz]")
     parser.add_argument("--canvas", choices=scene.CANVASES, default="bowl")
+    parser.add_argument("--rig", help="file of the orders for the workpiece")
     parser.add_argument("--shove", type=float, default=0.0, help="torque on joint 4, 3 s after the first command [Nm]")
     arguments = parser.parse_args()
 
     lcm = DrakeLcm(arguments.url)
     commands = Commands(lcm)
     folder = tempfile.TemporaryDirectory()
-    diagram, plant, arm, publisher = build(folder.name, lcm, arguments)
+    diagram, plant, graph, arm, publisher, rig = build(folder.name, lcm, arguments)
     simulator = Simulator(diagram)
     context = simulator.get_mutable_context()
     plant_context = plant.GetMyContextFromRoot(context)
     publisher_context = publisher.GetMyContextFromRoot(context)
     plant.SetPositions(plant_context, arm, arguments.start)
     diagram.GetInputPort("shove").FixValue(context, numpy.zeros(7))
+    if rig:
+        rig.begin(diagram, context, plant, graph, arm)
+        rig.apply(0.0)
     simulator.Initialize()
     (ball,) = plant.GetCollisionGeometriesForBody(plant.GetBodyByName("pen"))
     tip = plant.GetFrameByName("tip")
@@ -157,7 +172,8 @@ def main():
             sign = 1.0 if info.contact_surface().id_M() == ball else -1.0  # F acts on the body of M
             force = sign * F.translational()
             moment = sign * F.rotational() + numpy.cross(point - X_WE.translation(), force)
-        late.append((t, numpy.concatenate([force, moment])))
+        touch = rig.hand(t) if rig else numpy.zeros(3)  # a sensor at the flange feels it, too
+        late.append((t, numpy.concatenate([force + touch, moment])))
         measured_at, wrench = late.popleft()
         if arguments.shove and began is not None and t - began > 3.0:
             diagram.GetInputPort("shove").FixValue(context, numpy.eye(7)[3] * arguments.shove)
@@ -188,6 +204,8 @@ def main():
                     break
                 answered += 1
                 waits.append(time.perf_counter() - sent_at)
+                if rig and rig.look(t):
+                    rig.set_ball()
             elif began is not None:
                 sent += 1
                 sent_at_of[own_utime] = sent_at
@@ -195,7 +213,11 @@ def main():
                 while time.perf_counter() < wall + t:
                     lcm.HandleSubscriptions(0)
                     time.sleep(5e-5)
-        for name, value in (
+        if rig:
+            if began is not None:
+                rig.read(t, rig.along(t, force, point))
+            rig.apply(t)
+        for name, value in () if rig else (
             ("time", t),
             ("q", plant.GetPositions(plant_context, arm)),
             ("v", plant.GetVelocities(plant_context, arm)),
@@ -207,10 +229,12 @@ def main():
             ("began", began is not None),
         ):
             rows[name].append(value)
-        if (began is not None and t - began >= arguments.seconds) or (began is None and t > 60.0):
+        if (not rig and began is not None and t - began >= arguments.seconds) or (began is None and t > 60.0):
             break
         k += 1
         simulator.AdvanceTo(k * step)
+    if rig:
+        return rig.write(arguments.out)
     if arguments.free:
         waits = [commands.arrivals[utime] - at for utime, at in sent_at_of.items() if utime in commands.arrivals]
         answered = len(waits)

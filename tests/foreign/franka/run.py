@@ -115,32 +115,14 @@ def provoked(kind):
     return found
 
 
-def force():
-    """The force benchmark, by a sensor under the bowl: MuJoCo's contact along the sphere's normal."""
-    scenario, file, readings = HERE / "fr3-sine.yaml", OUT / "force.npz", OUT / "force.csv"
-    readings.unlink(missing_ok=True)
-    file.unlink(missing_ok=True)
+def force(long=False):
+    """The force benchmark, by the force of MuJoCo's contact."""
+    scenario = HERE / "fr3-sine.yaml"
     start = cases.start_posture(scenario, OUT, "--set", f"arm.urdf={arm()}", *cases.FORCE_ARGUMENTS)
-
-    def sensor(run):
-        while not file.exists() and run.poll() is None:
-            time.sleep(0.2)
-        time.sleep(1.0)  # simulate.py ends as soon as the file is whole
-        sim = numpy.load(file)
-        normal = numpy.array([0.6, 0.0, 0.4]) - sim["point"]
-        normal /= numpy.linalg.norm(normal, axis=1)[:, None]
-        along = numpy.nan_to_num(numpy.einsum("ij,ij->i", sim["force"], normal))
-        first = numpy.nonzero(sim["began"])[0][0]
-        lines = [f"{1e-3 * (i - first):.3f},{x:.6g}" for i, x in enumerate(along)]
-        partial = readings.with_suffix(".part")
-        partial.write_text("time,force\n" + "\n".join(lines) + "\n")
-        partial.rename(readings)
-
-    with simulation(file, start):
-        return cases.judge_force(
-            [PROGRAM, "judge-force", scenario, "--arm", "franka", "--set", f"arm.urdf={arm()}", "--set", URL, *cases.FORCE_ARGUMENTS, "--sensor", readings],
-            OUT / "force", sensor,
-        )  # fmt: skip
+    return cases.judge_force(
+        [PROGRAM, "judge-force", scenario, "--arm", "franka", "--set", f"arm.urdf={arm()}", "--set", URL], OUT / ("force-all" if long else "force"),
+        lambda file, arguments: simulation(file, start, arguments), long,
+    )  # fmt: skip
 
 
 def absent():
@@ -224,9 +206,10 @@ CASES = {
     "emergency": lambda: interrupted("emergency", signal.SIGQUIT),
     "hold": hold,
     "force": force,
+    "force-all": lambda: force(True),
 }
 USUAL = ["absent", "other-arm", "sine", "slider-sine"]
 
 
 if __name__ == "__main__":
-    cases.main("franka", OUT, BOUNDS, CASES, USUAL, list(CASES))
+    cases.main("franka", OUT, BOUNDS, CASES, USUAL, [name for name in CASES if name != "force-all"])

@@ -12,6 +12,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 CONTACT = tomllib.loads((HERE / "contact.toml").read_text())
 URDF = pathlib.Path(franka_sim.__file__).parent / "models/fr3.urdf"
 BOWL_RADIUS, BOWL_CENTRE = 0.30, numpy.array([0.60, 0.0, 0.40])
+FALL, HALF = math.radians(10.0), 0.18  # of the roof's sides; of the sheets [m] (../rig.py)
 PEN_LENGTH, PEN_MASS, PEN_RADIUS, FLANGE = 0.12, 0.05, 0.005, 0.107
 
 
@@ -39,10 +40,10 @@ def follow_bowl(model, data, tip, plane):
     model.geom_quat[plane] = (math.cos(half), *(math.sin(half) * axis / max(sine, 1e-12)))
 
 
-def pair_xml():
+def pair_xml(piece="bowl"):
     c = CONTACT
     return (
-        f'<pair geom1="bowl" geom2="tip" condim="3" friction="{c["friction"]} {c["friction"]} 0.005 0.0001 0.0001" '
+        f'<pair geom1="{piece}" geom2="tip" condim="3" friction="{c["friction"]} {c["friction"]} 0.005 0.0001 0.0001" '
         f'solref="{text(c["solref"])}" solimp="{text(c["solimp"])}" solreffriction="{text(c["solreffriction"])}"/>'
     )
 
@@ -58,7 +59,22 @@ def inertial_xml(link):
     ) + '"/>'
 
 
-def arm_xml(out):
+def rig_xml():
+    """The force benchmark's other workpieces: a table, which is driven, and a roof; with what they do to the tip."""
+    slope = HALF * math.tan(FALL)
+    corners = [(x, y, -slope if x else 0) for x in (-HALF, 0, HALF) for y in (-HALF, HALF)]
+    corners += [(x, y, -0.1) for x in (-HALF, HALF) for y in (-HALF, HALF)]
+    middle = BOWL_CENTRE - [0, 0, BOWL_RADIUS]
+    return (
+        f'<asset><mesh name="roof" vertex="{" ".join(text(c) for c in corners)}"/></asset>',
+        '<body name="table" gravcomp="1"><freejoint name="table"/><inertial pos="0 0 0" mass="100" diaginertia="10 10 10"/>'
+        f'<geom name="flat" type="box" size="{HALF} {HALF} 0.05" pos="{text(middle - [0, 0, 0.05])}" contype="0" conaffinity="0"/></body>'
+        f'<geom name="roof" type="mesh" mesh="roof" pos="{text(middle)}" contype="0" conaffinity="0"/>',
+        pair_xml("flat") + pair_xml("roof"),
+    )
+
+
+def arm_xml(out, rig=None):
     robot = ElementTree.parse(URDF).getroot()
     links = {link.get("name"): link for link in robot.findall("link")}
     joints = [joint for joint in robot.findall("joint") if joint.get("type") == "revolute"]
@@ -80,12 +96,23 @@ def arm_xml(out):
         f'<geom name="tip" type="sphere" size="{c["ball_radius"]}" pos="0 0 {PEN_LENGTH - c["ball_radius"]}" contype="0" conaffinity="0"/>'
         f'<site name="tip" pos="0 0 {PEN_LENGTH}"/></body>'
     )
+    assets, pieces, pairs = rig_xml() if rig else ("", "", "")
     pathlib.Path(out).write_text(
-        '<mujoco model="fr3_pen"><compiler angle="radian"/><option integrator="implicitfast" cone="elliptic"/>'
+        f'<mujoco model="fr3_pen"><compiler angle="radian"/><option integrator="implicitfast" cone="elliptic"/>{assets}'
         '<worldbody><geom name="bowl" type="plane" size="1 1 0.1" pos="0.6 0 0.1" axisangle="1 0 0 0.1" contype="0" conaffinity="0"/>'
-        f"{body}{end}</worldbody><contact>{pair_xml()}</contact></mujoco>"
+        f"{body}{end}{pieces}</worldbody><contact>{pair_xml()}{pairs}</contact></mujoco>"
     )
     return out
+
+
+def normal_force_on_tip(model, data, tip):
+    """[N]"""
+    one, force = numpy.zeros(6), 0.0
+    for i in range(data.ncon):
+        if tip in (data.contact[i].geom1, data.contact[i].geom2):
+            mujoco.mj_contactForce(model, data, i, one)
+            force += one[0]
+    return force
 
 
 def contact_on_tip(model, data, tip):

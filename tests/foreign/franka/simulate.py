@@ -3,7 +3,10 @@ reflex. Two differences from its command line: it listens on the loopback alone,
 with the answers and not paced once a motion has begun. (By itself physics runs free of the messages: a joint moved 2.217 rad while its
 speeds summed to 1.650.) Everything is logged here; what is judged is MuJoCo's own.
 
+With --rig, the workpiece is what a file orders before each run (../rig.py), and OUT is a sensor's file.
+
 Usage: simulate.py PORT OUT.npz --start q1,…,q7 [--free] [--provoke torque-step|stall|overspeed --at S --pid-file FILE]
+       simulate.py PORT OUT.csv --start q1,…,q7 --rig ORDERS.json
 """
 import argparse
 import collections
@@ -26,6 +29,7 @@ from franka_sim.franka_sim_server import FrankaSimServer  # noqa: E402
 from franka_sim.server import state_stream  # noqa: E402
 
 import scene  # noqa: E402
+from workpieces import Workpieces  # noqa: E402
 
 STALL = 60  # cycles
 
@@ -39,6 +43,7 @@ class Arm(mujoco_franka_sim.MujocoFrankaSim):
         self.rows = collections.defaultdict(list)
         self.steps, self.began, self.provoked, self.stalled, self.pushed = 0, None, False, 0, 0
         self.waits, self.last_torque = [], numpy.zeros(7)
+        self.rig = Workpieces(arguments.rig) if arguments.rig else None
 
     def initialize_simulation(self):
         super().initialize_simulation()
@@ -46,6 +51,9 @@ class Arm(mujoco_franka_sim.MujocoFrankaSim):
         self.bowl = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_GEOM, "bowl")
         self.data.qpos[self.arm_qpos_adr] = self.arguments.start
         self.data.qvel[:] = 0.0
+        if self.rig:
+            self.rig.begin(self.model, self.data)
+            self.rig.apply(0.0, self.dt)
         mujoco.mj_forward(self.model, self.data)
         self._read_and_publish_state()
 
@@ -86,8 +94,19 @@ class Arm(mujoco_franka_sim.MujocoFrankaSim):
             self.data.qfrc_applied[self.arm_dofs_idx[0]] += 80.0
         torque = numpy.array(self.latest_torques) if moving else numpy.zeros(7)
         mujoco.mj_kinematics(self.model, self.data)
-        scene.follow_bowl(self.model, self.data, self.tip, self.bowl)
+        if not self.rig or self.rig.shape == "bowl":
+            scene.follow_bowl(self.model, self.data, self.tip, self.bowl)
+        if self.rig:
+            t = self.steps * self.dt
+            if moving:
+                self.rig.look(t)
+            self.rig.apply(t, self.dt)
+            self.rig.push(t)
         mujoco.mj_step(self.model, self.data)
+        if self.rig:
+            if moving:
+                self.rig.read(t, scene.normal_force_on_tip(self.model, self.data, self.tip))
+            return self.go_on()
         force, point, depth = scene.contact_on_tip(self.model, self.data, self.tip)
         for name, value in (
             ("time", self.steps * self.dt),
@@ -105,6 +124,9 @@ class Arm(mujoco_franka_sim.MujocoFrankaSim):
             ("errors", numpy.array(server.robot_state.state["errors"], dtype=bool)),
         ):
             self.rows[name].append(value)
+        self.go_on()
+
+    def go_on(self):
         self.steps += 1
         self._read_and_publish_state()
         self.answered.clear()
@@ -154,12 +176,13 @@ def main():
     parser.add_argument("--provoke", choices=("torque-step", "stall", "overspeed"))
     parser.add_argument("--at", type=float, default=4.0, help="after the first torque [s]")
     parser.add_argument("--pid-file")
+    parser.add_argument("--rig", help="file of the orders for the workpiece")
     arguments = parser.parse_args()
     logging.basicConfig(level=logging.WARNING, stream=sys.stdout)
     sys.setswitchinterval(1e-4)  # three threads of Python share a millisecond
     mujoco_franka_sim.ARM_INITIAL_Q = arguments.start
     folder = tempfile.TemporaryDirectory()
-    arm = Arm(scene.arm_xml(f"{folder.name}/fr3.xml"), arguments)
+    arm = Arm(scene.arm_xml(f"{folder.name}/fr3.xml", arguments.rig), arguments)
     server = Server(host="127.0.0.1", port=arguments.port, physics_sim=arm, enable_gripper=False, enforce_comm_constraints=True, enforce_motion_limits=True)
     server.connected = server.left = False
     arm.server = server
@@ -171,6 +194,9 @@ def main():
     patience = time.monotonic() + 60
     while not server.left and (server.connected or time.monotonic() < patience):
         time.sleep(0.05)
+    if arm.rig:
+        arm.rig.write(arguments.out)
+        os._exit(0)
     rows = {name: numpy.array(values) for name, values in arm.rows.items()}
     moving = numpy.nonzero(rows["began"])[0] if rows else []
     if len(moving):
