@@ -24,6 +24,8 @@ constexpr double kLeastTurn = 2e-3;   // below it nothing turns [rad/s]
 constexpr double kLeastTrend = 5e-4;  // beside a swing [m/s]
 constexpr std::array<double, 8> kWindows = {12.0, 10.0, 8.0, 6.0, 4.5, 3.0, 1.5, 0.75};  // [s]
 constexpr double kShortestSwing = 3.0;  // a window [s]
+// Jolts leave so much of a course that counts nevertheless, over so long a window [s].
+constexpr double kJolted = 0.3, kLongEnough = 5.0;
 
 // Six coordinates at one time.
 struct Row {
@@ -48,6 +50,20 @@ Rows since(Rows rows, double window) {
   std::size_t k = 0;
   while (rows[k].time < first) ++k;
   return rows.subspan(k);
+}
+
+Vector3d mean(Rows rows, Vector3d Row::*x) {
+  Vector3d sum = Vector3d::Zero();
+  for (const Row& row : rows) sum += row.*x;
+  return sum / static_cast<double>(rows.size());
+}
+
+// RMS distance from the mean.
+double spread(Rows rows, Vector3d Row::*x) {
+  const Vector3d middle = mean(rows, x);
+  double square = 0.0;
+  for (const Row& row : rows) square += (row.*x - middle).squaredNorm();
+  return std::sqrt(square / static_cast<double>(rows.size()));
 }
 
 // Least squares of x = a + b t, t counted from the last row. Returns the RMS of what is left.
@@ -227,53 +243,51 @@ CanvasForecast CanvasHistory::forecast() const {
   }
   f.origin_ = rows.back().time;
   const double span = f.origin_ - rows.front().time;
-  const double sigma = 0.3 * CanvasHistory::kUnexplained;
 
-  // Longest window first. Returns false if nothing explains what was seen.
+  // Longest window first, down to `shortest`; the fits return the RMS of what they leave.
   f.window_ = span;
-  const auto find = [&](const auto& steady, const auto& swinging) {
+  const auto find = [&](double most, double shortest, const auto& steady, const auto& swinging) {
     bool whole = false;
     for (const double window : kWindows) {
       if (window >= span && whole) continue;  // the same once more
       whole = whole || window >= span;
       const Rows last = since(rows, window);
       const double length = last.back().time - last.front().time;
-      const bool line = steady(last);
-      if (!line && !(length >= kShortestSwing && swinging(last))) continue;
+      if (length < shortest) break;
+      const bool line = steady(last) <= most;
+      if (!line && !(length >= kShortestSwing && swinging(last, most) <= most)) continue;
       f.window_ = std::min(f.window_, length);
       return line ? Course::steady : Course::swinging;
     }
     return Course::unsteady;
   };
-  f.turn_ = find(
-      [&](Rows last) { return kLever * fit_line(last, &Row::phi, &f.phi_, &f.w_) <= kUnexplained; },
-      [&](Rows last) {
-        return kLever * fit_waves(last, &Row::phi, sigma / kLever, kLeastTrend / kLever,
-                                  f.waves_.data() + 3) <=
-                   kUnexplained &&
-               foretold(last, &Row::phi, sigma / kLever, kLeastTrend / kLever);
-      });
-  if (f.turn_ == Course::unsteady) {
-    f.phi_.setZero();
-    for (const Row& row : rows) f.phi_ += row.phi / static_cast<double>(rows.size());
-  }
+  // lever: from a coordinate to the way that counts [m].
+  const auto course = [&](Vector3d Row::*x, double lever, const auto& steady, AxisWave* waves) {
+    const auto swinging = [&](Rows last, double most) {
+      const double sigma = 0.3 * most / lever, trend = kLeastTrend / lever;
+      const double left = fit_waves(last, x, sigma, trend, waves);
+      return lever * left <= most && foretold(last, x, sigma, trend)
+                 ? lever * left
+                 : std::numeric_limits<double>::infinity();
+    };
+    const Course exact = find(kUnexplained, 0.0, steady, swinging);
+    if (exact != Course::unsteady) return exact;
+    return find(kJolted * lever * spread(rows, x), kLongEnough, steady, swinging);
+  };
+  f.turn_ = course(
+      &Row::phi, kLever,
+      [&](Rows last) { return kLever * fit_line(last, &Row::phi, &f.phi_, &f.w_); },
+      f.waves_.data() + 3);
+  if (f.turn_ == Course::unsteady) f.phi_ = mean(rows, &Row::phi);
   if (f.turn_ != Course::steady || f.w_.norm() < kLeastTurn) f.w_.setZero();
-  f.shift_ = find(
-      [&](Rows last) {
-        f.unexplained_ = fit_screw(last, f.w_, &f.p_, &f.v_);
-        return f.unexplained_ <= kUnexplained;
-      },
-      [&](Rows last) {
-        f.unexplained_ = fit_waves(last, &Row::p, sigma, kLeastTrend, f.waves_.data());
-        return f.unexplained_ <= kUnexplained && foretold(last, &Row::p, sigma, kLeastTrend);
-      });
-  if (f.shift_ != Course::unsteady) return f;
-  f.p_.setZero();
-  f.v_.setZero();
-  for (const Row& row : rows) f.p_ += row.p / static_cast<double>(rows.size());
+  f.shift_ = course(
+      &Row::p, 1.0, [&](Rows last) { return fit_screw(last, f.w_, &f.p_, &f.v_); },
+      f.waves_.data());
+  if (f.shift_ == Course::unsteady) f.p_ = mean(rows, &Row::p), f.v_.setZero();
   double square = 0.0;
-  for (const Row& row : rows) square += (row.p - f.p_).squaredNorm();
-  f.unexplained_ = std::sqrt(square / static_cast<double>(rows.size()));
+  const Rows explained = since(rows, f.window_);
+  for (const Row& row : explained) square += (row.p - f.at(row.time) * centre_K_).squaredNorm();
+  f.unexplained_ = std::sqrt(square / static_cast<double>(explained.size()));
   return f;
 }
 

@@ -10,6 +10,7 @@
 //   swinging   each coordinate a trend and up to two sinusoids (axis_motion.h), if those of before
 //              would have foretold the last 1.5 s
 //   steady     the same over the last seconds alone, for a motion that changed
+//   either     over 5 s or more, of which jolts leave less than 0.3: a conveyor that shakes
 //   unsteady   the mean, for a canvas that is jolted
 //
 // Windows are tried from long to short: the longer the window, the further the forecast holds.

@@ -133,6 +133,22 @@ TEST(CanvasForecast, JoltsAreTheirMean) {
   EXPECT_LT(error(f, motion, 8.0, 20.0), 0.08);
 }
 
+// A course that jolts only blur counts.
+TEST(CanvasForecast, ConveyorOrSwingThatIsJoltedGoesOn) {
+  CanvasMotionSettings s;
+  s.jolts = 0.007;
+  s.velocity = Vector3d(-0.007, -0.039, 0.0);
+  s.start = -5.0;
+  const CanvasMotion conveyor(s);
+  EXPECT_LT(error(seen_until(12.0, conveyor), conveyor, 12.0, 15.0), 0.06);
+  s.velocity.setZero();
+  s.sway = Vector3d(0.0, 0.1, 0.0);
+  s.sway_frequency = 0.25;
+  s.jolts = 0.003;
+  const CanvasMotion swing(s);
+  EXPECT_LT(error(seen_until(12.0, swing), swing, 12.0, 6.0), 0.05);
+}
+
 // A long time without estimates: what was before does not tell.
 TEST(CanvasForecast, StartsAnewAfterALongGap) {
   CanvasHistory history(kCentre);
