@@ -25,6 +25,7 @@ using CanvasSource = std::function<CanvasEstimate(double time)>;
 class CanvasFollower {
  public:
   static constexpr double kJoin = 1.5;  // [s]
+  static constexpr double kShed = 0.3;  // [s]
 
   // `source` empty: the canvas stands, K is W.
   explicit CanvasFollower(CanvasSource source) : source_(std::move(source)) {}
@@ -47,13 +48,21 @@ class CanvasFollower {
     duration_ = duration;
     from_ = in_W;
   }
-  // References are in W again. Within `duration` the pen goes over to them; meanwhile they are also
-  // carried along, from where K is now. A canvas that is lost carries nothing.
-  void leave(double duration = 0.0) noexcept {
+  // References are in W again. Within `duration` the pen goes over to them along up_W, and across
+  // it within kShed at most; meanwhile they are also carried along, from where K is now. A canvas
+  // that is lost carries nothing.
+  void leave(double duration = 0.0,
+             const Eigen::Vector3d& up_W = Eigen::Vector3d::Zero()) noexcept {
+    up_ = up_W;
     left_at_ = joined() && !lost() ? time_ : -std::numeric_limits<double>::infinity();
     duration_ = duration;
     X_WK_left_ = pose();
     joined_at_ = std::numeric_limits<double>::infinity();
+  }
+
+  // It was left without haste, and still takes the pen along.
+  bool leaves() const noexcept {
+    return !joined() && duration_ > kShed && time_ - left_at_ < kShed;
   }
 
   const CanvasEstimate& estimate() const noexcept { return estimate_; }
@@ -81,8 +90,18 @@ class CanvasFollower {
          {&TipReference::v_WD, &TipReference::a_WD, &TipReference::n_WD, &TipReference::w_WD,
           &TipReference::alpha_WD, &TipReference::x_WD})
       in_K.*member = X_KW.R * in_K.*member;
-    return between(carried(in_K, estimate_.motion), reference, std::max(0.0, since / duration_),
-                   duration_);
+    const TipReference along = carried(in_K, estimate_.motion);
+    const auto within = [&](double duration) {
+      return since >= duration
+                 ? reference
+                 : between(along, reference, std::max(0.0, since / duration), duration);
+    };
+    const TipReference slow = within(duration_);
+    TipReference out = within(std::min(duration_, kShed));
+    for (Eigen::Vector3d TipReference::*member :
+         {&TipReference::p_WD, &TipReference::v_WD, &TipReference::a_WD})
+      out.*member += up_ * up_.dot(slow.*member - out.*member);
+    return out;
   }
 
  private:
@@ -108,6 +127,7 @@ class CanvasFollower {
   double left_at_ = -std::numeric_limits<double>::infinity();
   TipReference from_;
   Pose X_WK_left_;
+  Eigen::Vector3d up_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace impedraw

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/run/canvas_follower.h"
 #include "impedraw/run/remaining.h"
 
@@ -18,7 +17,9 @@ constexpr double kMostLooks = 2e5;   // places of all strokes at all times toget
 constexpr double kStepOfTime = 0.1;  // between starts that are tried, at least [s]
 constexpr double kAbove = 0.02;      // the safe height: where a pen from its rest goes to [m]
 constexpr double kLastOfJoin = 0.3;  // the pen is where it goes to within 6 % by then [s]
+constexpr double kAlong = 0.5 * CanvasFollower::kShed;  // as the pen leaves the canvas [s]
 constexpr double kWaitAbove = 0.15;  // a stroke's first point, where it will be [m]
+constexpr double kWayStep = 0.02;    // between places on the way to where it waits [m]
 constexpr double kLater = 1.0;       // the next decision, where several were tried in vain [s]
 constexpr double kAgain = 0.25;      // the next decision, where a window's edge is not clear [s]
 
@@ -58,7 +59,7 @@ TipPath CarriedPlan::from_here(const std::vector<StrokePart>& parts, const Carri
 // The first fault of the path, if it is begun now.
 std::optional<CarriedFault> CarriedPlan::fault(const TipPath& path, const CanvasForecast& forecast,
                                                const CarriedPen& pen, double join) const {
-  CarriedPath carried{&path, pen.time, [&](double time) { return forecast.at(time); }, {}};
+  CarriedPath carried{&path, pen.time, [&](double time) { return forecast.at(time); }, {}, kAlong};
   CanvasFollower follower([&](double time) {
     CanvasEstimate canvas;
     canvas.status = CanvasStatus::ok;
@@ -96,7 +97,7 @@ bool CarriedPlan::holds(const TipPath& path, double planned, const CanvasForecas
   while (next < path.strokes().size() && path.strokes()[next].end < planned) ++next;
   if (next == path.strokes().size()) return true;
   const CarriedPath carried{
-      &path, pen.time - planned, [&](double time) { return forecast.at(time); }, {}};
+      &path, pen.time - planned, [&](double time) { return forecast.at(time); }, {}, kAlong};
   return !check_carried(carried, e_.belief.arm, e_.belief.obstacle.get(), pen.q, checks_, planned,
                         path.strokes()[next].approach);
 }
@@ -139,8 +140,11 @@ void CarriedPlan::look_ahead(const TipPath& planned, Outlook* ahead) {
     canvas.X_WK.push_back(ahead->forecast.at(canvas.begin + t));
   for (std::size_t i = 0; i < times.size(); ++i) {
     const auto& [number, approach, start, end, length] = times[i];
-    ahead->jobs.push_back({end - approach, reach_.windows(planned, i, canvas), start - approach,
-                           i > 0 && adjoin(ahead->parts[i - 1], ahead->parts[i])});
+    const bool continues = i > 0 && adjoin(ahead->parts[i - 1], ahead->parts[i]);
+    ahead->jobs.push_back({end - approach, reach_.windows(planned, i, canvas, kAlong),
+                           start - approach, continues,
+                           continues ? reach_.windows(planned, i, canvas, kAlong, true)
+                                     : std::vector<ReachWindow>()});
     ahead->first.push_back(planned.at(approach).reference.p_WD);
     if (i > 0)
       ahead->between += (approach - times[i - 1].end) / static_cast<double>(times.size() - 1);
@@ -168,8 +172,9 @@ std::vector<UnreachedPart> CarriedPlan::named(const std::vector<std::size_t>& lo
       all.back().part.to = part.to;
       continue;
     }
-    all.push_back({part, ahead.planned.stroke == job ? fault_text(part.stroke, ahead.planned)
-                                                     : reason(part, ahead.forecast, ahead.pen)});
+    const int first = ahead.parts[ahead.planned.stroke].stroke;
+    all.push_back({part, first == part.stroke ? fault_text(part.stroke, ahead.planned)
+                                              : reason(part, ahead.forecast, ahead.pen)});
     if (const std::vector<ReachWindow>& windows = ahead.jobs[job].windows; !windows.empty())
       all.back().text += "; it " + window_text(windows.front());
   }
@@ -183,11 +188,18 @@ void CarriedPlan::wait_near(const StrokeSlot& slot, const Outlook& ahead,
   const Vector3d place =
       ahead.forecast.at(slot.start) * ahead.first[slot.job] + kWaitAbove * ahead.up;
   const double move = 1.875 * (place - pen.X_WE.p).norm() / ahead.ways.travel_speed;
-  ArmModel arm = e_.belief.arm;
   if (pen.joined || move <= 1.0 ||
-      slot.start <= pen.time + move + CanvasFollower::kJoin + ahead.down() + kSoon ||
-      !find_posture(arm, {place, pen.X_WE.R.col(2)}, pen.q).reached)
+      slot.start <= pen.time + move + CanvasFollower::kJoin + ahead.down() + kSoon)
     return;
+  PostureCheck check(e_.belief.arm, nullptr, pen.q, checks_);
+  check.asked.torque = check.asked.pen = false;
+  Posture last = standing_at(pen.q);
+  const double way = (place - pen.X_WE.p).norm(), steps = std::ceil(way / kWayStep);
+  for (double k = 1.0; k <= steps; ++k) {
+    const Vector3d on_way = pen.X_WE.p + k / steps * (place - pen.X_WE.p);
+    last = check.follow({on_way, pen.X_WE.R.col(2)}, last, way / steps);
+    if (last.problem) return;
+  }
   out->place_W = place;
   out->until = pen.time + move;
 }

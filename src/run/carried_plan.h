@@ -54,9 +54,9 @@ struct CarriedPen {
 
 class CarriedPlan {
  public:
-  static constexpr double kHorizon = 40.0;  // [s]
-  static constexpr double kSure = 3.0;      // explained motion after which a verdict is final [s]
-  static constexpr double kShortest = 0.1;  // what fits nowhere and is longer is to be cut [m]
+  static constexpr double kHorizon = 40.0;   // [s]
+  static constexpr double kSure = 3.0;       // explained motion after which a verdict is final [s]
+  static constexpr double kShortest = 0.05;  // what fits nowhere and is longer is to be cut [m]
 
   // first_time: when the run began, for messages [s].
   CarriedPlan(const Experiment& experiment, double first_time);

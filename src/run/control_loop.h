@@ -55,7 +55,9 @@ class ControlLoop {
     canvas_.join(from, duration);
   }
   // References are in W again, and the pen goes over to them within `duration` [s].
-  void leave_canvas(double duration = 0.0) noexcept { canvas_.leave(duration); }
+  void leave_canvas(double duration, const Eigen::Vector3d& up_W) noexcept {
+    canvas_.leave(duration, up_W);
+  }
   // True while a lifted pen is away from its plan, because of what hit it.
   bool retreats() const noexcept { return !hit_.shift().isZero(0.0); }
   // The tip as measured, in K.

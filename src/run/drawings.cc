@@ -127,6 +127,7 @@ Move MovingDrawing::next(const Situation& now) {
       }
       [[fallthrough]];
     case Stage::raised:
+      if (first_time_ > 0.0 && left_by(now.ink).empty()) return {};
       stage_ = Stage::watched;
       move.emplace().kind = Move::Kind::wait;
       move->until = now.pen.time + e_.scenario.perception.watch;

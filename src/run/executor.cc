@@ -12,6 +12,7 @@ namespace impedraw {
 namespace {
 
 constexpr double kLiftOffCanvas = 0.1;  // clear of a canvas that moves [m]
+constexpr double kLetGo = 0.1;          // a canvas beyond the reach: within so long [s]
 constexpr double kLiftALittle = 0.01;   // at a blocked place [m]
 constexpr long kPollEvery = 10;         // cycles
 constexpr double kBump = 10.0;          // on a pen that is changed or checked, in the air [N]
@@ -31,7 +32,7 @@ Executor::Executor(const Experiment& e, DrivenArm& arm, const RunHooks& hooks)
       reaction_(&ending_),
       monitors_(e, arm.driver(), hooks),
       block_(e),
-      reach_(e.scenario.preflight.arm),
+      reach_(e.scenario.preflight.arm, e.belief.arm.limits().speed),
       canvas_(e.scenario.perception.frames.wait_for_rest),
       chance_(e.belief.perception && touches(e.scenario)) {
   const Pose X_WE = arm.X_WE();
@@ -216,6 +217,8 @@ std::optional<Cycle> Executor::step(const PathSample& desired) {
   if (verdict.severity == Severity::brake && !(goes_on() && chance_.given()))
     verdict.end = RunEnd::stopped;
   react(verdict);
+  // A canvas that is left carries the pen along for a while: not to where the arm cannot follow.
+  if (lift_ && cycle.canvas.leaves() && reach_.loses(cycle)) begin_lift(Verdict::Rise::let_go);
   settle(cycle, before);
   if (reaction_.state() == Reaction::State::over) return std::nullopt;
   return cycle;
@@ -297,9 +300,9 @@ void Executor::poll(const Cycle& cycle, const PathFollower& path) {
 
 void Executor::begin_lift(Verdict::Rise rise, const Eigen::Vector3d& aside_W) {
   if (rise == Verdict::Rise::let_go) {
-    arm_.loop().leave_canvas();
-    lift_.emplace(arm_.time(), arm_.X_WE(), e_.control.impedance.surface.drawing_axis_W,
-                  kLiftOffCanvas);
+    const Eigen::Vector3d& up = e_.control.impedance.surface.drawing_axis_W;
+    arm_.loop().leave_canvas(kLetGo, up);
+    lift_.emplace(arm_.time(), arm_.X_WE(), up, kLiftOffCanvas);
     return;
   }
   const Eigen::Matrix3d R_KW = arm_.loop().canvas().pose().R.transpose();
@@ -310,9 +313,9 @@ void Executor::begin_lift(Verdict::Rise rise, const Eigen::Vector3d& aside_W) {
 
 // The pen goes up in W. A canvas that heaves does not catch up with it.
 void Executor::lift_off_canvas() {
-  lift_.emplace(arm_.time(), arm_.X_WE(), e_.control.impedance.surface.drawing_axis_W,
-                clear_height());
-  arm_.loop().leave_canvas(lift_->duration());
+  const Eigen::Vector3d& up = e_.control.impedance.surface.drawing_axis_W;
+  lift_.emplace(arm_.time(), arm_.X_WE(), up, clear_height());
+  arm_.loop().leave_canvas(lift_->duration(), up);
 }
 
 // Up to where the run began, as far as the arm reaches [m].

@@ -20,8 +20,11 @@ namespace {
 std::optional<StrokeSlot> continued(const std::vector<StrokeJob>& jobs, const StrokeSlot& slot) {
   const std::size_t next = slot.job + 1;
   if (next >= jobs.size() || !jobs[next].continues) return std::nullopt;
-  const double start = slot.start + jobs[slot.job].duration - jobs[next].approach;
-  std::optional<StrokeSlot> at = slot_of(jobs, next, start);
+  const double begin = slot.start + jobs[slot.job].duration, start = begin - jobs[next].approach;
+  for (const ReachWindow& w : jobs[next].behind)
+    if (begin >= w.from && start + jobs[next].duration <= w.until + 1e-9)
+      return StrokeSlot{next, start, w};
+  const std::optional<StrokeSlot> at = slot_of(jobs, next, start);
   return at && at->start == start ? at : std::nullopt;
 }
 
@@ -69,7 +72,8 @@ StrokeChoice choose_strokes(const std::vector<StrokeJob>& jobs, double now, doub
   StrokeChoice choice{schedule_strokes(jobs, now, between), {}, {}};
   for (const std::size_t job : choice.order.lost) {
     const std::vector<ReachWindow>& w = jobs[job].windows;
-    const bool again = w.size() > 1 || (!w.empty() && w.back().until >= horizon);
+    const bool again = w.size() > 1 || (!w.empty() && w.back().until >= horizon) ||
+                       (jobs[job].continues && !jobs[job].behind.empty());
     if (sure && !again) choice.lost.push_back(job);
   }
   const std::vector<StrokeSlot>& slots = choice.order.slots;

@@ -18,10 +18,11 @@
 namespace impedraw {
 
 struct StrokeJob {
-  double duration = 0.0;             // from the approach to the last point [s]
-  std::vector<ReachWindow> windows;  // in order
-  double approach = 0.0;             // from there to the first point [s]
-  bool continues = false;            // it begins where the job before it ends
+  double duration = 0.0;                 // from the approach to the last point [s]
+  std::vector<ReachWindow> windows;      // in order
+  double approach = 0.0;                 // from there to the first point [s]
+  bool continues = false;                // it begins where the job before it ends
+  std::vector<ReachWindow> behind = {};  // if it continues that without a lift: of its first point
 };
 
 struct StrokeSlot {

@@ -189,7 +189,7 @@ TEST(ReachMonitor, LetsGoOfACanvasThatRunsAway) {
   for (const bool goes_on : {true, false}) {
     MadeUpCycle made;
     made.canvas = CanvasFollower([](double) { return seen(); });
-    ReachMonitor monitor(goes_on);
+    ReachMonitor monitor(goes_on, JointVector::Ones(made.arm.v.size()));
     made.out.p_WD = made.arm.X_WE.p + Eigen::Vector3d(1.1 * ReachMonitor::kFar, 0.0, 0.0);
     for (int i = 0; i < 1000; ++i)
       ASSERT_FALSE(monitor.judge(made.next())) << "the pen does not move with the canvas";
@@ -201,6 +201,50 @@ TEST(ReachMonitor, LetsGoOfACanvasThatRunsAway) {
     EXPECT_EQ(said.severity, Severity::lift);
     EXPECT_EQ(said.rise, Verdict::Rise::let_go);
     EXPECT_EQ(said.end, goes_on ? RunEnd::finished : RunEnd::stopped);
+  }
+}
+
+TEST(ReachMonitor, LetsGoBeforeTheCanvasStretchesTheArm) {
+  MadeUpCycle made;
+  made.canvas = CanvasFollower([](double) { return seen(); });
+  made.canvas.update(0.0);
+  made.canvas.join({});
+  ReachMonitor monitor(true, JointVector::Ones(made.arm.v.size()));
+  made.arm.v[0] = -0.88;
+  for (int i = 0; i < 1000; ++i) ASSERT_FALSE(monitor.judge(made.next()));
+  made.arm.v[0] = -0.92;
+  Verdict said;
+  const int n = cycles_until([&] { return monitor.judge(made.next()); }, &said);
+  EXPECT_NEAR(n * MadeUpCycle::kDt, ReachMonitor::kRaces, 1.5 * MadeUpCycle::kDt);
+  EXPECT_EQ(said.rise, Verdict::Rise::let_go);
+  EXPECT_EQ(said.end, RunEnd::finished);
+}
+
+TEST(CanvasFollower, LeavesACanvasSoonerAcrossTheWayUpThanAlongIt) {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), moves(0.0, 0.2, 0.1);
+  CanvasFollower follower([&](double time) {
+    CanvasEstimate estimate = seen();
+    estimate.motion.X_WK.p = time * moves;
+    estimate.motion.v = moves;
+    return estimate;
+  });
+  follower.update(0.0);
+  follower.join({}, 0.0);
+  follower.leave(2.0, up);
+  for (double t = 0.0, last = 0.0; t <= 2.0; t += 1e-3) {
+    follower.update(t);
+    const TipReference at = follower.in_world({});
+    EXPECT_LE(at.p_WD.y(), moves.y() * CanvasFollower::kShed);
+    EXPECT_LT(std::abs(at.p_WD.y() - last), 1e-3) << "no jump";
+    last = at.p_WD.y();
+    EXPECT_EQ(follower.leaves(), t < CanvasFollower::kShed);
+    if (t >= CanvasFollower::kShed) {
+      EXPECT_NEAR(at.v_WD.y(), 0.0, 1e-9);
+      EXPECT_NEAR(at.p_WD.y(), 0.0, 1e-9);
+    }
+    if (t > 0.6 && t < 1.0) {
+      EXPECT_GT(at.p_WD.z(), 0.0);
+    }
   }
 }
 

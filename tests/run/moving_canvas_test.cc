@@ -1,8 +1,10 @@
 // Drawings on a bowl that moves, judged in its own frame, against the limits of bounds.json.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <numbers>
 #include <random>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -10,8 +12,10 @@
 #include <gmock/gmock.h>
 
 #include "drawn_scenario.h"
+#include "impedraw/arm/arm_notes.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/common/minimum_jerk.h"
+#include "impedraw/control/joint_speed_shares.h"
 #include "impedraw/experiment/place_auto.h"
 #include "impedraw/run/monitors/canvas_monitor.h"
 #include "impedraw/simulation/canvas_motion.h"
@@ -472,6 +476,19 @@ TEST(MovingCanvas, PenWaitsUntilAStrokeSwingsIntoReach) {
   EXPECT_LT(blunt["coverage"], 1.0) << "without waiting it fails";
 }
 
+class SwingingCanvas : public ScratchFolder {};
+
+// As the pen leaves the canvas, too, the swing takes it along, to where this arm is stretched.
+TEST_F(SwingingCanvas, DoesNotTakeALiftedPenOutOfReach) {
+  std::ostringstream panda;
+  panda << std::ifstream("models/arms/panda.urdf").rdbuf();
+  const fs::path arm = write("arm.urdf", urdf_with_pen(panda.str(), {}));
+  const Figures f =
+      draw_scenario("moving-swing", {"drawing.text.text=---", "arm.urdf=" + arm.string()});
+  EXPECT_GT(f["coverage"], 0.95);
+  EXPECT_LT(f["joint_speed_share_max"], JointSpeedShares::kLaw);
+}
+
 // Before the stroke, and within it; the motion goes on from where it was, and so does the drawing.
 TEST(MovingCanvas, AnInterruptedRunGoesOn) {
   const fs::path log =
@@ -511,6 +528,11 @@ TEST(MovingCanvas, AnInterruptedRunGoesOn) {
     EXPECT_LT(metrics.ink_error_rms.or_nan(), 0.2);
     EXPECT_LT(metrics.ink_outside.or_nan(), 1e-3);
     EXPECT_LT(metrics.touchdown_peak.or_nan(), 8.0);
+
+    Prepared third = experiment(c.set);
+    const Resumption complete = read_resumption(third, log).value();
+    EXPECT_EQ(run(third, log, 0.0, {}, &complete).end, RunEnd::finished);
+    EXPECT_LT(read_run(log).time.back(), rows.time.back() + 4.0) << "nothing is left to watch for";
   }
   fs::remove(log);
 }

@@ -119,6 +119,21 @@ bool fits(const StrokeJob& job, double start) {
   });
 }
 
+// A piece that is in reach too shortly for its own way down is drawn behind another, or never.
+TEST(StrokeSchedule, APieceWithoutAWindowIsDrawnBehindAnother) {
+  std::vector<StrokeJob> jobs{{2.0, {{1.0, 3.5}}, 1.0}, {2.0, {}, 1.0, true, {{2.5, 4.5}}}};
+  StrokeChoice choice = choose_strokes(jobs, 1.0, 1.0, 40.0, true);
+  ASSERT_EQ(choice.order.slots.size(), 2u);
+  EXPECT_EQ(choice.order.slots[1].start, 2.0);
+  EXPECT_EQ(choice.now.front(), (std::vector<std::size_t>{0, 1}));
+  jobs[1].behind = {{3.5, 4.5}};
+  choice = choose_strokes(jobs, 1.0, 1.0, 40.0, true);
+  EXPECT_EQ(choice.order.slots.size(), 1u);
+  EXPECT_TRUE(choice.lost.empty()) << "while the piece before it is open";
+  choice = choose_strokes({{2.0, {}, 1.0}}, 1.0, 1.0, 40.0, true);
+  EXPECT_EQ(choice.lost.size(), 1u);
+}
+
 // What is begun now, what is waited for and what is lost, against every start.
 TEST(StrokeSchedule, ChoicesAreThoseOfEveryStart) {
   constexpr double kBetween = 1.0, kHorizon = 24.0;

@@ -1,5 +1,6 @@
 #include "impedraw/planning/preflight/carried_path.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -56,10 +57,16 @@ std::optional<CarriedFault> check_carried(const CarriedPath& carried, ArmModel a
   std::size_t next = 0;  // stroke under way
   while (next < strokes.size() && strokes[next].end < from) ++next;
   bool lifting = false, leaves = true;
-  for (double t = from; t <= path.duration() && next < strokes.size(); t += kCarriedLook) {
-    const PathSample sample = path.at(t);
+  double risen = path.duration();  // from the last stroke [s]
+  for (double t = from; t <= risen + carried.along && next < strokes.size(); t += kCarriedLook) {
+    PathSample sample = path.at(std::min(t, risen));
     // A stroke ends with its lift.
-    const bool lifts = sample.phase == Phase::lift && t > strokes[next].end;
+    bool lifts = sample.phase == Phase::lift && t > strokes[next].end;
+    if (lifting && !lifts && next + 1 == strokes.size() && carried.along > 0.0) {
+      risen = std::min(risen, t - kCarriedLook);
+      sample = path.at(risen);
+      lifts = true;
+    }
     if (lifting && !lifts) {
       if (fault) break;
       if (++next == strokes.size()) break;

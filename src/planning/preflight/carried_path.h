@@ -7,6 +7,7 @@
 //   joint speeds |dq_j| / dt of the motion of least kinetic energy (least_energy_step.h), canvas's
 //   motion included, up to what the law may ask for; a plan's clock that yields does not slow the
 //   canvas.
+// The canvas still takes the pen along as it leaves it after the last stroke.
 #pragma once
 
 #include <cstddef>
@@ -31,6 +32,7 @@ struct CarriedPath {
   CanvasCourse canvas;
   // The path's reference at a time, in W; empty: X_WK(time) takes it there.
   std::function<TipReference(const TipReference& in_K, double time)> in_world;
+  double along = 0.0;  // after the last lift the pen goes with the canvas for so long [s]
 };
 
 // The fault that keeps a stroke from being drawn, on the way to it, along it or on the way off.

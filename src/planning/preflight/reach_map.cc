@@ -58,16 +58,19 @@ bool ReachMap::reaches(const PenPlacement& from, const PenPlacement& to, double 
 }
 
 std::vector<ReachWindow> ReachMap::windows(const TipPath& path, std::size_t stroke,
-                                           const CanvasPoses& canvas) {
+                                           const CanvasPoses& canvas, double along, bool is_down) {
   constexpr double kDown = 0.5;  // the last of the way to a stroke [s]
-  const auto& [number, approach, start, end, length] = path.strokes()[stroke];
-  const double down = canvas.step * std::ceil(std::min(kDown, approach) / canvas.step);
+  const StrokeTimes& times = path.strokes()[stroke];
+  const double approach = is_down ? times.start : times.approach, end = times.end;
+  const double down =
+      is_down ? 0.0 : canvas.step * std::ceil(std::min(kDown, approach) / canvas.step);
   const double last = canvas.step * static_cast<double>(canvas.X_WK.size() - 1);
   std::vector<TipReference> places;  // in K
   PathSample at = path.at(approach - down);
   for (double t = approach - down; t <= end || at.phase == Phase::draw || at.phase == Phase::lift;
        at = path.at(t += canvas.step))
     places.push_back(at.reference);
+  for (double t = 0.0; t < along; t += canvas.step) places.push_back(places.back());
   const auto pen_at = [&](std::size_t place, std::size_t time) {
     const Pose& X_WK = canvas.X_WK[std::min(time, canvas.X_WK.size() - 1)];
     return PenPlacement{X_WK * places[place].p_WD, -(X_WK.R * places[place].n_WD)};

@@ -38,8 +38,11 @@ class ReachMap {
   // When a stroke may be approached, to be finished at its last point: while the pen comes down to
   // it, goes along it and up again, all of its places are in reach, one for each of the canvas's
   // poses, and no joint is so fast that the plan's clock would yield (joint_speed_shares.h).
+  // along: for so long the pen stays with the canvas at the end of its lift [s]. is_down: it need
+  // not come down, as another stroke ends there; begun at its first point then.
   std::vector<ReachWindow> windows(const TipPath& path, std::size_t stroke,
-                                   const CanvasPoses& canvas);
+                                   const CanvasPoses& canvas, double along = 0.0,
+                                   bool is_down = false);
 
  private:
   bool reaches(const PenPlacement& from, const PenPlacement& to, double time);

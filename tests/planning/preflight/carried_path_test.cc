@@ -54,6 +54,19 @@ TEST(CarriedPath, OnACanvasThatStandsIsAsThePreflightSays) {
   EXPECT_FALSE(fault) << fault->what << ": " << fault->how;
 }
 
+// The pen is still taken along while it leaves the canvas.
+TEST(CarriedPath, LooksBeyondTheLastLift) {
+  ArmModel arm(surfaces::kArm);
+  const TipPath path = path_of({surfaces::line({{0.6, 0.1}, {0.6, -0.1}}, 0)});
+  CarriedPath carried{&path, 0.0, conveyor(0.25, path.strokes().back().end), {}};
+  EXPECT_FALSE(check_carried(carried, arm, nullptr, surfaces::start_posture(arm), {}));
+  carried.along = 3.0;
+  const auto fault = check_carried(carried, arm, nullptr, surfaces::start_posture(arm), {});
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->stroke, 0u);
+  EXPECT_GT(fault->time, path.strokes().back().end + 0.5);
+}
+
 TEST(CarriedPath, TellsWhenAConveyorLeavesTheReachAndHowFar) {
   ArmModel arm(surfaces::kArm);
   PreflightSettings settings;
