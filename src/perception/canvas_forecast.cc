@@ -21,6 +21,7 @@ using Eigen::Vector3d;
 
 constexpr double kLever = 0.15;       // from the centre to where a turn's error counts [m]
 constexpr double kLeastTurn = 2e-3;   // below it nothing turns [rad/s]
+constexpr double kTurned = 0.5;       // so far, an axis shows that it moves itself [rad]
 constexpr double kLeastTrend = 5e-4;  // beside a swing [m/s]
 constexpr std::array<double, 8> kWindows = {12.0, 10.0, 8.0, 6.0, 4.5, 3.0, 1.5, 0.75};  // [s]
 constexpr double kShortestSwing = 3.0;  // a window [s]
@@ -84,24 +85,30 @@ double fit_line(Rows rows, Vector3d Row::*x, Vector3d* a, Vector3d* b) {
   return std::sqrt(square / n);
 }
 
-// The same of p = p_0 + V(t) v for a known ω.
-double fit_screw(Rows rows, const Vector3d& w, Vector3d* p_0, Vector3d* v) {
-  Matrix6 A = Matrix6::Zero();
-  Vector6 b = Vector6::Zero();
-  Eigen::Matrix<double, 3, 6> J;
+// The same of p = p_0 + V(t) v + u t for a known ω. `moves`: else u is 0.
+double fit_screw(Rows rows, const Vector3d& w, bool moves, Vector3d* p_0, Vector3d* v,
+                 Vector3d* u) {
+  using Vector9 = Eigen::Matrix<double, 9, 1>;
+  Eigen::Matrix<double, 9, 9> A = 1e-9 * Eigen::Matrix<double, 9, 9>::Identity();
+  Vector9 b = Vector9::Zero();
+  Eigen::Matrix<double, 3, 9> J = Eigen::Matrix<double, 3, 9>::Zero();
   J.leftCols<3>().setIdentity();
   for (const Row& row : rows) {
-    J.rightCols<3>() = screw(w, row.time - rows.back().time);
+    const double t = row.time - rows.back().time;
+    J.middleCols<3>(3) = screw(w, t);
+    if (moves) J.rightCols<3>() = t * Matrix3d::Identity();
     A += J.transpose() * J;
     b += J.transpose() * row.p;
   }
-  A.diagonal().array() += 1e-12;
-  const Vector6 x = A.llt().solve(b);
+  const Vector9 x = A.ldlt().solve(b);
   *p_0 = x.head<3>();
-  *v = x.tail<3>();
+  *v = x.segment<3>(3);
+  *u = x.tail<3>();
   double square = 0.0;
-  for (const Row& row : rows)
-    square += (row.p - *p_0 - screw(w, row.time - rows.back().time) * *v).squaredNorm();
+  for (const Row& row : rows) {
+    const double t = row.time - rows.back().time;
+    square += (row.p - *p_0 - screw(w, t) * *v - t * *u).squaredNorm();
+  }
   return std::sqrt(square / static_cast<double>(rows.size()));
 }
 
@@ -171,7 +178,8 @@ Pose CanvasForecast::at(double time) const noexcept {
   };
   const double t = time - origin_;
   const Vector3d phi = turn_ == Course::swinging ? wave_at(3) : Vector3d(phi_ + t * w_);
-  const Vector3d p = shift_ == Course::swinging ? wave_at(0) : Vector3d(p_ + screw(w_, t) * v_);
+  const Vector3d p =
+      shift_ == Course::swinging ? wave_at(0) : Vector3d(p_ + screw(w_, t) * v_ + t * u_);
   Pose X;
   X.R = rotation(phi) * R_0_;
   X.p = p - X.R * centre_K_;
@@ -281,9 +289,15 @@ CanvasForecast CanvasHistory::forecast() const {
   if (f.turn_ == Course::unsteady) f.phi_ = mean(rows, &Row::phi);
   if (f.turn_ != Course::steady || f.w_.norm() < kLeastTurn) f.w_.setZero();
   f.shift_ = course(
-      &Row::p, 1.0, [&](Rows last) { return fit_screw(last, f.w_, &f.p_, &f.v_); },
+      &Row::p, 1.0,
+      [&](Rows last) {
+        const double left = fit_screw(last, f.w_, false, &f.p_, &f.v_, &f.u_);
+        const double turned = f.w_.norm() * (last.back().time - last.front().time);
+        if (left <= kUnexplained || turned < kTurned) return left;
+        return fit_screw(last, f.w_, true, &f.p_, &f.v_, &f.u_);
+      },
       f.waves_.data());
-  if (f.shift_ == Course::unsteady) f.p_ = mean(rows, &Row::p), f.v_.setZero();
+  if (f.shift_ == Course::unsteady) f.p_ = mean(rows, &Row::p), f.v_ = f.u_ = Vector3d::Zero();
   double square = 0.0;
   const Rows explained = since(rows, f.window_);
   for (const Row& row : explained) square += (row.p - f.at(row.time) * centre_K_).squaredNorm();

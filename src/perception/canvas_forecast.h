@@ -6,7 +6,8 @@
 // vector φ, R_WK = exp(φ) R_0, are explained by the first of these that leaves no more than
 // kUnexplained of them over its window, each of both by itself:
 //
-//   steady     φ = φ_0 + ω t,  p = p_0 + ∫ exp(ω s) ds v    a screw: conveyor, turntable, both
+//   steady     φ = φ_0 + ω t,  p = p_0 + ∫ exp(ω s) ds v    a screw: conveyor, turntable
+//              the same + u t                               a turntable on a conveyor
 //   swinging   each coordinate a trend and up to two sinusoids (axis_motion.h), if those of before
 //              would have foretold the last 1.5 s
 //   steady     the same over the last seconds alone, for a motion that changed
@@ -47,7 +48,8 @@ class CanvasForecast {
   double origin_ = 0.0;  // of t [s]
   Eigen::Vector3d centre_K_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_0_ = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d p_ = Eigen::Vector3d::Zero(), v_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_ = Eigen::Vector3d::Zero(), v_ = Eigen::Vector3d::Zero(),
+                  u_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d phi_ = Eigen::Vector3d::Zero(), w_ = Eigen::Vector3d::Zero();
   std::array<AxisWave, 6> waves_{};  // p, then φ
   double unexplained_ = 0.0, window_ = 0.0;

@@ -96,6 +96,18 @@ TEST(CanvasForecast, TurntableGoesRound) {
   EXPECT_LT(error(f, motion, 8.0, 10.0), 5e-3);
 }
 
+TEST(CanvasForecast, TurntableOnAConveyorGoesOn) {
+  CanvasMotionSettings s;
+  s.turn_speed = 0.333;
+  s.velocity = Vector3d(0.0, -0.033, 0.0);
+  s.centre = Vector3d(0.6, 0.1, 0.1);
+  s.start = 0.1;
+  const CanvasMotion motion(s);
+  const CanvasForecast f = seen_until(8.0, motion);
+  EXPECT_EQ(f.shift(), Course::steady);
+  EXPECT_LT(error(f, motion, 8.0, 15.0), 0.02);
+}
+
 TEST(CanvasForecast, SwingsGoOn) {
   CanvasMotionSettings s;
   s.sway = {0.0, 0.05, 0.02};
