@@ -476,6 +476,23 @@ TEST(MovingCanvas, PenWaitsUntilAStrokeSwingsIntoReach) {
   EXPECT_LT(blunt["coverage"], 1.0) << "without waiting it fails";
 }
 
+// A swing that drifts off: the straight way to where the pen would wait folds the elbow too far.
+TEST(MovingCanvas, PenGoesToWhereItWaitsByAWayThatItsJointsAllow) {
+  const Figures f = draw_scenario(
+      "moving-order",
+      {"drawing.svg=", "drawing.shape=sine", "canvas.plane.centre=[0.6,0,0.1]",
+       "canvas.plane.width=0.3", "drawing.keep_order=false", "drawing.placement.centre=[0.6,0]",
+       "drawing.placement.fit_radius=0.063", "drawing.placement.scale=null",
+       "perception.fiducials.points=[{position: [0.72,-0.14,0.1]},{position: [0.72,0.14,0.1]},"
+       "{position: [0.48,-0.14,0.1]},{position: [0.48,0.14,0.1]}]",
+       "canvas.motion.sway=[0.175,0.147,0.017]", "canvas.motion.sway_frequency=0.08",
+       "canvas.motion.roll=0.054", "canvas.motion.roll_frequency=0.24",
+       "canvas.motion.roll_axis=[0.64,-0.82,0.25]", "canvas.motion.velocity=[-0.008,0.038,0]",
+       "canvas.motion.start=3.5", "canvas.motion.centre=[0.6,0,0.1]",
+       "drawing.skip_unreachable=true"});
+  EXPECT_FALSE(f.outcome.remarks.empty()) << "it waited";
+}
+
 class SwingingCanvas : public ScratchFolder {};
 
 // As the pen leaves the canvas, too, the swing takes it along, to where this arm is stretched.
