@@ -205,7 +205,7 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
     if (!go_on()) run.ended = "interrupted";
     if (!run.ended.empty()) break;
   }
-  // What ended early must not reach into the next run.
+  // A motion that ended early must not reach into the next run.
   const double ended = state->time;
   while (driver_ && !run.ended.empty() && driver_->fault().empty() &&
          state->v.cwiseAbs().maxCoeff() > kDampedSpeed && state->time < ended + kCalm) {

@@ -102,7 +102,7 @@ bool CarriedPlan::holds(const TipPath& path, double planned, const CanvasForecas
                         path.strokes()[next].approach);
 }
 
-// What lies ahead of the parts that shall be drawn; one entry for each.
+// The time ahead of the parts that shall be drawn; one entry for each.
 struct CarriedPlan::Outlook {
   const std::vector<StrokePart>& parts;
   const CanvasForecast& forecast;
@@ -161,7 +161,7 @@ std::string CarriedPlan::reason(const StrokePart& part, const CanvasForecast& fo
                            number_of(part.stroke));
 }
 
-// Why each of them cannot be drawn.
+// Each of them with the reason that it cannot be drawn.
 std::vector<UnreachedPart> CarriedPlan::named(const std::vector<std::size_t>& lost,
                                               const Outlook& ahead) const {
   std::vector<UnreachedPart> all;
@@ -181,7 +181,8 @@ std::vector<UnreachedPart> CarriedPlan::named(const std::vector<std::size_t>& lo
   return all;
 }
 
-// Where to wait for a part: nearer to it, if there is time, as the arm reaches further from there.
+// The place to wait for a part: nearer to it, if there is time, as the arm reaches further from
+// there.
 void CarriedPlan::wait_near(const StrokeSlot& slot, const Outlook& ahead,
                             CarriedDecision* out) const {
   const CarriedPen& pen = ahead.pen;

@@ -69,7 +69,7 @@ class CarriedPlan {
   bool holds(const TipPath& path, double planned, const CanvasForecast& forecast,
              const CarriedPen& pen);
 
-  // Why a part cannot be drawn from where the pen is.
+  // The reason that a part cannot be drawn from where the pen is.
   std::string reason(const StrokePart& part, const CanvasForecast& forecast,
                      const CarriedPen& pen) const;
 

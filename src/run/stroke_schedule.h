@@ -1,4 +1,4 @@
-// Which stroke is drawn next on a canvas that moves, and from when.
+// The choice of the stroke that is drawn next on a canvas that moves, and of its time.
 //
 // Each stroke takes its time, and can be drawn in windows of time alone (ReachMap::windows()). Two
 // orders are tried: the planned one, each stroke as early as it can be; and earliest deadline
@@ -40,9 +40,9 @@ struct StrokeSchedule {
 struct StrokeChoice {
   StrokeSchedule order;
   std::vector<std::size_t> lost;  // of order.lost: for good
-  // What can be begun now, best first: the first of the order and those that follow it without a
-  // wait; then each of those that come later, with what continues it. Empty: the first is to be
-  // waited for.
+  // The strokes that can be begun now, best first: the first of the order and those that follow it
+  // without a wait; then each of those that come later, with what continues it. Empty: the first is
+  // to be waited for.
   std::vector<std::vector<std::size_t>> now;
 };
 

@@ -34,7 +34,7 @@ const Eigen::MatrixXd& ReachMap::cell(const PenPlacement& pen) {
   Eigen::MatrixXd& by_tip = found->second;
   if (!is_new) return by_tip;
   Posture posture = check_.follow(pen, last_, (pen.p_WE - arm_.tip_pose(last_.q).p).norm());
-  // What lies far beyond the reach is not looked for from other postures.
+  // A place far beyond the reach is not looked for from other postures.
   if (!posture.reached && posture.amount > kFarOff) return by_tip;
   if (posture.problem) posture = check_.enter(pen, q_);
   if (posture.problem) return by_tip;

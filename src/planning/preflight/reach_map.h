@@ -1,5 +1,5 @@
-// Where in W the arm can have its pen, and how fast its joints are when the pen moves there; and
-// so, when a stroke may be drawn on a canvas that moves: windows of time.
+// The places in W where the arm can have its pen, and its joint speeds when the pen moves there;
+// hence the windows of time in which a stroke may be drawn on a canvas that moves.
 //
 // The arm stands the same wherever the canvas goes: places are asked for again and again, by each
 // stroke and at each decision. One posture is kept for places within kCell and axes within kTurn.
