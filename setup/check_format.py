@@ -1,6 +1,7 @@
 """Checks the C++ sources that git tracks: clang-format 14 of build/format-venv changes nothing, and no line is
 wider than 100 columns (clang-format leaves raw strings and comments alone). In src/ no source has more than 500 lines,
-and no function more than 120.
+and no function more than 120. No bullet of the changelog has more than 15 words, and no comment of src/ opens with a
+word that leaves it without a subject.
 
 ./check --format installs that tool and calls this.
 
@@ -15,6 +16,8 @@ import unicodedata
 COLUMNS = 100
 SOURCE = 500  # lines
 FUNCTION = 120
+BULLET = 15  # words
+NO_SUBJECT = re.compile(r"\s*// (Of|That|What|Whether|How|Where|Which|Why)\b")
 TOOL = pathlib.Path(__file__).resolve().parents[1] / "build/format-venv/bin/clang-format"
 
 
@@ -56,9 +59,16 @@ def main() -> int:
                 print(f"{file}:{begin}: a function of {length} lines, at most {FUNCTION} are allowed")
                 failed = True
         for number, line in enumerate(lines, 1):
+            if file.startswith("src/") and NO_SUBJECT.match(line) and not lines[number - 2].lstrip().startswith("//"):
+                print(f"{file}:{number}: the comment has no subject: {line.strip()}")
+                failed = True
             if width(line) > COLUMNS:
                 print(f"{file}:{number}: {width(line)} columns, at most {COLUMNS} are allowed")
                 failed = True
+    for number, line in enumerate(pathlib.Path("CHANGELOG.md").read_text().splitlines(), 1):
+        if line.startswith("- ") and len(line.split()) > 1 + BULLET:
+            print(f"CHANGELOG.md:{number}: {len(line.split()) - 1} words, at most {BULLET} are allowed")
+            failed = True
     if failed:
         print("format: ./check --fix-format rewrites what clang-format can", file=sys.stderr)
     return int(failed)
