@@ -28,6 +28,12 @@ def shown(metric: str, judged: dict) -> str:
     return "–" if value is None else JUDGED[metric][1].format(scale * value)
 
 
+def is_judged(case: dict, metric: str) -> bool:
+    """Whether the case asks for this. A force that never settles has an overshoot all the same."""
+    shown_by = "overshoot" if metric == "settling_time" else metric
+    return any(run.get(shown_by) is not None for judged in case["controllers"] for run in judged["runs"])
+
+
 def table(results: dict) -> list[str]:
     """A line for each case, in a cell ours, crisp and impedance; the best is bold."""
     lines = ["| case | " + " | ".join(name for name, _ in JUDGED.values()) + " |", "|---" * (len(JUDGED) + 1) + "|"]
@@ -36,9 +42,8 @@ def table(results: dict) -> list[str]:
         for metric in JUDGED:
             values = [judged["mean"][metric] for judged in case["controllers"]]
             texts = [shown(metric, judged) for judged in case["controllers"]]
-            judged_at_all = any(v is not None for v in values)
             best = min((abs(v) for v in values if v is not None), default=None)
-            cells.append(" · ".join(f"**{t}**" if v is not None and abs(v) == best else t for v, t in zip(values, texts)) if judged_at_all else "")
+            cells.append(" · ".join(f"**{t}**" if v is not None and abs(v) == best else t for v, t in zip(values, texts)) if is_judged(case, metric) else "")
         lines.append(f"| {case['case']} | " + " | ".join(cells) + " |")
     return lines
 
@@ -51,7 +56,7 @@ def standing(results: dict) -> str:
         ours, *peers = case["controllers"]
         for metric in ASKED:
             values = [c["mean"][metric] for c in (ours, *peers)]
-            if all(v is None for v in values):
+            if not is_judged(case, metric):
                 continue
             judged += 1
             if (case["case"], metric) in behind or values[0] is None:

@@ -328,14 +328,16 @@ bool FrankaFci::recover(JointVector* q) noexcept {
     if (!reflex_ || !link_ || !link_->connected() || fci_collision(last_.reflex_reason))
       return false;
     // A drawing goes on from where the arm has come to rest.
-    const double end = wall_seconds() + kRecovery;
-    do await_state();
-    while (last_.arm.v.cwiseAbs().maxCoeff() > kDampedSpeed && wall_seconds() < end);
+    const auto await = [this](const auto& is_there) {
+      const double end = wall_seconds() + kRecovery;
+      do await_state();
+      while (!is_there() && wall_seconds() < end);
+      return is_there();
+    };
+    await([this] { return last_.arm.v.cwiseAbs().maxCoeff() < kDampedSpeed; });
     const auto answer = link_->request(FciCommand::automatic_error_recovery, {}, kRecovery);
     if (answer.empty() || answer[0] != kFciSuccess) return false;
-    do await_state();
-    while (last_.mode != FciMode::idle && wall_seconds() < end);
-    if (last_.mode != FciMode::idle) return false;
+    if (!await([this] { return last_.mode == FciMode::idle; })) return false;
     *q = last_.arm.q;
     start_q_ = last_.arm.q;
     reflex_ = false;

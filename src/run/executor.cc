@@ -384,7 +384,7 @@ Verdict ArmMonitors::judge(const Cycle& cycle, const Reaction& reaction, bool bl
   const Reaction::State state = reaction.state();
   Verdict worst = worse(state_.judge(cycle, driver_.fault()), tare_.judge(cycle));
   if (worst) return worst;
-  worst = reading_.judge(cycle);
+  worst = reading_.judge(cycle, reaction.lost_control());
   if (worst || state == Reaction::State::damp) return worst;
   if (cycle.out.status.stale_state) return emergency(cycle);  // foretold, it tells nothing
   worst = signs_.judge(cycle);

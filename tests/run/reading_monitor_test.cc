@@ -286,7 +286,7 @@ TEST(ReadingMonitor, NamesAWrenchThatStandsStillWhileTheTipMovesAlongTheNormal) 
   DriverInfo driver{1, 1e-3, WrenchReading::tip};
   driver.checks_motion = true;
   const auto says = [&](double force, double way, const Eigen::Vector3d& along, double noise = 0.0,
-                        double late = 0.0, bool felt = true) {
+                        double late = 0.0, bool felt = true, bool is_damped = false) {
     const JointVector one = JointVector::Ones(1);
     ReadingMonitor monitor(driver, one, one, 0.002, felt);
     MadeUpCycle made;
@@ -300,7 +300,7 @@ TEST(ReadingMonitor, NamesAWrenchThatStandsStillWhileTheTipMovesAlongTheNormal) 
       const Cycle cycle = made.next();
       made.state.state_time = made.state.time;
       made.state.wrench_time = made.state.time - late;
-      said = monitor.judge(cycle);
+      said = monitor.judge(cycle, is_damped);
     }
     return said;
   };
@@ -316,6 +316,7 @@ TEST(ReadingMonitor, NamesAWrenchThatStandsStillWhileTheTipMovesAlongTheNormal) 
   EXPECT_FALSE(says(5.0, 5.2e-3, n, 1e-6));
   EXPECT_FALSE(says(5.0, 5.2e-3, n, 0.0, 0.03)) << "its stamp is old: the law says so";
   EXPECT_FALSE(says(5.0, 5.2e-3, n, 0.0, 0.0, false));
+  EXPECT_FALSE(says(60.0, 5.2e-3, n, 0.0, 0.0, true, true)) << "a hand pushes a damped arm";
 }
 
 // A torque that a push on the canvas explains asks nothing of the arm.

@@ -52,10 +52,11 @@ class ReadingMonitor {
     return !cause_.empty();
   }
 
-  // The same, after a cycle.
-  Verdict judge(const Cycle& cycle) {
+  // The same, after a cycle. is_damped: the motion is, which takes no wrench; a hand that pushes
+  // evenly looks like one that stands still.
+  Verdict judge(const Cycle& cycle, bool is_damped = false) {
     const JointVector torque = cycle.out.tau - cycle.out.terms.col(kGravity);
-    if (felt_ && stands_still(cycle) && cause_.empty()) {
+    if (felt_ && stands_still(cycle, is_damped) && cause_.empty()) {
       cause_ = fmt::format(
           "the wrench stands still: the force on the tip is still {:.1f} N, 5 mm along the normal",
           cycle.F_ext.head<3>().norm());
@@ -86,12 +87,13 @@ class ReadingMonitor {
            cycle.out.terms.col(kDisturbance).cwiseAbs().cwiseMin(kErrors * torque_limit_);
   }
 
-  bool stands_still(const Cycle& cycle) noexcept {
+  bool stands_still(const Cycle& cycle, bool is_damped) noexcept {
     constexpr double kPushes = 1.0, kMoved = 5e-3;  // [N], [m]
     const Eigen::Vector3d& p_WE = cycle.arm.X_WE.p;
     // A wrench whose stamp is old is the law's concern.
     const bool old = cycle.state->time - cycle.state->wrench_time > kAhead + wrench_delay_;
-    if (old || cycle.state->wrench != wrench_ || !(cycle.F_ext.head<3>().norm() > kPushes)) {
+    if (is_damped || old || cycle.state->wrench != wrench_ ||
+        !(cycle.F_ext.head<3>().norm() > kPushes)) {
       wrench_ = cycle.state->wrench;
       p_WE_ = p_WE;
     }
