@@ -19,11 +19,21 @@ JUDGED = {"settling_time": ("settling [s]", "{:.2f}"), "overshoot": ("overshoot 
 ASKED = "settling_time", "overshoot", "sd"  # in which ours is to be ahead of both
 
 
+LOST = 4.5  # an error that is nearly the whole command: the pen does not press [N]
+
+
+def value_of(judged: dict, metric: str) -> float | None:
+    lost = (judged["mean"]["steady_error"] or 0.0) > LOST
+    return None if lost and metric != "steady_error" else judged["mean"][metric]
+
+
 def shown(metric: str, judged: dict) -> str:
     ended = sum("ended" in run for run in judged["runs"])
     if ended == len(judged["runs"]):
         return "ended"
-    value = judged["mean"][metric]
+    value = value_of(judged, metric)
+    if value is None and judged["mean"][metric] is not None:
+        return "lost"
     scale = 100 if metric == "overshoot" else 1
     return "–" if value is None else JUDGED[metric][1].format(scale * value)
 
@@ -40,7 +50,7 @@ def table(results: dict) -> list[str]:
     for case in results["cases"]:
         cells = []
         for metric in JUDGED:
-            values = [judged["mean"][metric] for judged in case["controllers"]]
+            values = [value_of(judged, metric) for judged in case["controllers"]]
             texts = [shown(metric, judged) for judged in case["controllers"]]
             best = min((abs(v) for v in values if v is not None), default=None)
             cells.append(" · ".join(f"**{t}**" if v is not None and abs(v) == best else t for v, t in zip(values, texts)) if is_judged(case, metric) else "")
@@ -55,7 +65,7 @@ def standing(results: dict) -> str:
     for case in results["cases"]:
         ours, *peers = case["controllers"]
         for metric in ASKED:
-            values = [c["mean"][metric] for c in (ours, *peers)]
+            values = [value_of(c, metric) for c in (ours, *peers)]
             if not is_judged(case, metric):
                 continue
             judged += 1

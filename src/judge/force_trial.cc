@@ -276,10 +276,14 @@ void SensorFile::fill(ForceRun* run) const {
     at.time = has_runs ? s.time : run->begin + s.time;
     auto after = std::lower_bound(readings_.begin(), readings_.end(), at,
                                   [](const Reading& a, const Reading& b) { return a.before(b); });
-    // Beyond a run's readings the nearest one of them holds.
-    if (after == readings_.end() || after->run != at.run) --after;
-    const auto before =
-        after == readings_.begin() || (after - 1)->run != at.run ? after : after - 1;
+    // Beyond a run's readings the nearest one of them holds; a run without any has no force.
+    const auto first = readings_.begin();
+    if (after != first && (after == readings_.end() || after->run != at.run)) --after;
+    if (after->run != at.run) {
+      s.force = std::nan("");
+      continue;
+    }
+    const auto before = after == first || (after - 1)->run != at.run ? after : after - 1;
     const double span = after->time - before->time;
     const double share = span > 0.0 ? std::clamp((at.time - before->time) / span, 0.0, 1.0) : 0.0;
     s.force = before->force + share * (after->force - before->force);

@@ -133,6 +133,11 @@ TEST(ForceSensor, FillsARecordFromItsFile) {
   SensorFile(file, 0.0).fill(&run);
   for (const JudgedSample& s : run.record)
     EXPECT_NEAR(s.force, std::min(9.0, 1.0 + 2.0 * s.time), 1e-12);
+  for (const int none : {2, 6}) {
+    run.order = none;
+    SensorFile(file, 0.0).fill(&run);
+    for (const JudgedSample& s : run.record) EXPECT_TRUE(std::isnan(s.force));
+  }
   std::ofstream(file) << "run,time,force\n4,0,1\n4,0,9\n";
   EXPECT_THROW(SensorFile(file, 0.0), InputError);
   std::ofstream(file) << "time,force\n0,0\n1;20\n";
