@@ -327,17 +327,17 @@ bool FrankaFci::recover(JointVector* q) noexcept {
   try {
     if (!reflex_ || !link_ || !link_->connected() || fci_collision(last_.reflex_reason))
       return false;
-    // A drawing goes on from where the arm has come to rest.
-    const auto await = [this](const auto& is_there) {
-      const double end = wall_seconds() + kRecovery;
+    const auto await = [this](double longest, const auto& is_there) {
+      const double end = wall_seconds() + longest;
       do await_state();
       while (!is_there() && wall_seconds() < end);
       return is_there();
     };
-    await([this] { return last_.arm.v.cwiseAbs().maxCoeff() < kDampedSpeed; });
     const auto answer = link_->request(FciCommand::automatic_error_recovery, {}, kRecovery);
     if (answer.empty() || answer[0] != kFciSuccess) return false;
-    if (!await([this] { return last_.mode == FciMode::idle; })) return false;
+    if (!await(kRecovery, [this] { return last_.mode == FciMode::idle; })) return false;
+    // A drawing goes on from where the arm has come to rest.
+    await(kRest, [this] { return last_.arm.v.cwiseAbs().maxCoeff() < kDampedSpeed; });
     *q = last_.arm.q;
     start_q_ = last_.arm.q;
     reflex_ = false;

@@ -26,6 +26,7 @@ namespace impedraw {
 class FrankaFci : public ForeignArm {
  public:
   static constexpr double kRecovery = 5.0;  // for the arm to clear a reflex [s]
+  static constexpr double kRest = 1.0;      // after it, to come to rest [s]
 
   // start_q: where the arm must stand at start(), within kStartTolerance; nothing: anywhere. `arm`
   // must outlive the driver. Throws InputError if it has not seven joints, or the url is invalid.
