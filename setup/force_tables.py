@@ -54,7 +54,8 @@ def table(results: dict) -> list[str]:
             texts = [shown(metric, judged) for judged in case["controllers"]]
             best = min((abs(v) for v in values if v is not None), default=None)
             cells.append(" · ".join(f"**{t}**" if v is not None and abs(v) == best else t for v, t in zip(values, texts)) if is_judged(case, metric) else "")
-        lines.append(f"| {case['case']} | " + " | ".join(cells) + " |")
+        if any(cells):
+            lines.append(f"| {case['case']} | " + " | ".join(cells) + " |")
     return lines
 
 
@@ -71,8 +72,10 @@ def standing(results: dict) -> str:
             judged += 1
             if (case["case"], metric) in behind or values[0] is None:
                 lacking.append((metric, case["case"]))
+    sweep = next(case for case in results["cases"] if case["case"] == "sweep")
+    bandwidths = " · ".join(f"{judged['mean']['bandwidth']:.1f}" for judged in sweep["controllers"])
     told = "; ".join(f"{metric}: " + ", ".join(c for m, c in lacking if m == metric) for metric in ASKED if any(m == metric for m, _ in lacking))
-    return f"Ours is ahead of both in {judged - len(lacking)} of {judged} figures of settling time, overshoot and SD. It is not in {told}."
+    return f"Ours is ahead of both in {judged - len(lacking)} of {judged} figures of settling time, overshoot and SD. It is not in {told}. Bandwidth by the sweep: {bandwidths} Hz."
 
 
 def main() -> None:

@@ -103,7 +103,7 @@ def judge_force(command, out, simulation, long=False):
     (out / "force.json").write_text(json.dumps(results, indent=1) + "\n")
     for case in results["cases"]:
         for judged in case["controllers"]:
-            if judged["controller"] == "ours" and case["case"] != FORCE_SESSIONS[-1]:
+            if judged["controller"] == "ours" and not case["case"].startswith("edged"):  # there a joint nears its rated speed
                 require(f"each run of {case['case']} is whole", all("ended" not in run for run in judged["runs"]), judged["runs"])
             for metric in ("steady_error", "sd", "overshoot"):
                 if judged["mean"][metric] is not None:
