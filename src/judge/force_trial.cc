@@ -205,29 +205,29 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
     if (!go_on()) run.ended = "interrupted";
     if (!run.ended.empty()) break;
   }
-  // A motion that ended early must not reach into the next run.
-  const double ended = state->time;
-  while (driver_ && !run.ended.empty() && driver_->fault().empty() &&
-         state->v.cwiseAbs().maxCoeff() > kDampedSpeed && state->time < ended + kCalm) {
-    law.arm.compute(state->q, state->v, &law.terms);
-    driver->command(law.terms.g + damping_torque(law.terms.M, state->v), law.terms.g);
-    state = &driver->read();
-  }
-  state_ = driver_ ? state : nullptr;
-  // A reflex of the arm ends its motion, not the benchmark.
-  JointVector q;
-  if (driver_ && !driver_->fault().empty()) {
-    driver_->stop();
-    if (e_.scenario.arm.recoveries > 0 && driver_->recover(&q)) {
-      driver_->start();
-      state_ = nullptr;
-    }
-  }
+  if (driver_) make_ready(run, &law, state);
   run.begin = begin;
   run.order = orders_;
   run.programme = programme;
   if (measured) run.ask();
   return run;
+}
+
+void ForceBench::make_ready(const ForceRun& run, Law* law, const ArmState* state) {
+  const double ended = state->time;
+  while (!run.ended.empty() && driver_->fault().empty() &&
+         state->v.cwiseAbs().maxCoeff() > kDampedSpeed && state->time < ended + kCalm) {
+    law->arm.compute(state->q, state->v, &law->terms);
+    driver_->command(law->terms.g + damping_torque(law->terms.M, state->v), law->terms.g);
+    state = &driver_->read();
+  }
+  state_ = state;
+  if (driver_->fault().empty()) return;
+  driver_->stop();
+  JointVector q;
+  if (e_.scenario.arm.recoveries == 0 || !driver_->recover(&q)) return;
+  driver_->start();
+  state_ = nullptr;
 }
 
 void ForceRun::ask() {

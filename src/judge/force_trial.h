@@ -164,6 +164,8 @@ class ForceBench {
  private:
   struct Law;
   void set_shape(Workpiece::Shape shape);
+  // The driven arm, for the next run: damps a motion that ended early, and recovers from a reflex.
+  void make_ready(const ForceRun& run, Law* law, const ArmState* state);
 
   Prepared& e_;
   Workpiece piece_;

@@ -40,6 +40,10 @@ struct Cycle {
     const Eigen::Vector3d off = lag();
     return off - out.n_WD * out.n_WD.dot(off);
   }
+  // Speed of the fastest joint, as a share of its limit [rad/s].
+  double speed_share(const JointVector& limit) const noexcept {
+    return (arm.v.cwiseAbs().array() / limit.array()).maxCoeff();
+  }
   // Tip velocity, relative to a canvas that the pen moves with, in W [m/s].
   Eigen::Vector3d velocity_on_canvas() const noexcept {
     const Eigen::Vector3d v = arm.V_WE.head<3>();

@@ -197,7 +197,7 @@ void Executor::move_in_world(const std::function<bool()>& goes_on, const char* w
 void Executor::lift() {
   const Pose X_WE = arm_.X_WE();
   if (arm_.loop().canvas().follows())
-    lift_off_canvas();
+    lift_off_canvas(clear_height());
   else
     lift_.emplace(arm_.time(), X_WE, -X_WE.R.col(2));
   monitors_.tare().moves_first(lift_->duration());
@@ -256,9 +256,7 @@ void Executor::settle(const Cycle& cycle, Reaction::State before) {
     return arm_.end_at_zero();
   }
   if (now != State::halt && !(now == State::brake && before == State::brake)) return;
-  const double share =
-      (cycle.arm.v.cwiseAbs().array() / e_.belief.arm.limits().speed.array()).maxCoeff();
-  if (!reaction_.calms(share, cycle.dt)) return;
+  if (!reaction_.calms(cycle.speed_share(e_.belief.arm.limits().speed), cycle.dt)) return;
   if (reaction_.state() == State::over)
     arm_.end_at_zero();
   else if (!lift_)
@@ -282,7 +280,7 @@ bool Executor::follow_up(const Cycle& cycle, const Move& move, PathFollower* pat
   last_.left_reach = &worst == &reach && reach.end == RunEnd::finished;
   if (worst.severity < Severity::lift && path->passes_last_stroke(cycle) && move.complete &&
       move.complete(arm_.ink())) {
-    lift_off_canvas();
+    lift_off_canvas(clear_height());
     reaction_.take({Severity::lift, {}, RunEnd::finished});
     return true;
   }
@@ -299,12 +297,7 @@ void Executor::poll(const Cycle& cycle, const PathFollower& path) {
 }
 
 void Executor::begin_lift(Verdict::Rise rise, const Eigen::Vector3d& aside_W) {
-  if (rise == Verdict::Rise::let_go) {
-    const Eigen::Vector3d& up = e_.control.impedance.surface.drawing_axis_W;
-    arm_.loop().leave_canvas(kLetGo, up);
-    lift_.emplace(arm_.time(), arm_.X_WE(), up, kLiftOffCanvas);
-    return;
-  }
+  if (rise == Verdict::Rise::let_go) return lift_off_canvas(kLiftOffCanvas, kLetGo);
   const Eigen::Matrix3d R_KW = arm_.loop().canvas().pose().R.transpose();
   lift_.emplace(arm_.time(), arm_.X_KE(), R_KW * arm_.out().n_WD,
                 rise == Verdict::Rise::a_little ? kLiftALittle : EmergencyLift::kHeight,
@@ -312,10 +305,10 @@ void Executor::begin_lift(Verdict::Rise rise, const Eigen::Vector3d& aside_W) {
 }
 
 // The pen goes up in W. A canvas that heaves does not catch up with it.
-void Executor::lift_off_canvas() {
+void Executor::lift_off_canvas(double height, std::optional<double> within) {
   const Eigen::Vector3d& up = e_.control.impedance.surface.drawing_axis_W;
-  lift_.emplace(arm_.time(), arm_.X_WE(), up, clear_height());
-  arm_.loop().leave_canvas(lift_->duration(), up);
+  lift_.emplace(arm_.time(), arm_.X_WE(), up, height);
+  arm_.loop().leave_canvas(within.value_or(lift_->duration()), up);
 }
 
 // Up to where the run began, as far as the arm reaches [m].

@@ -137,7 +137,8 @@ class Executor {
   void poll(const Cycle& cycle, const PathFollower& path);
 
   void begin_lift(Verdict::Rise rise, const Eigen::Vector3d& aside_W = Eigen::Vector3d::Zero());
-  void lift_off_canvas();
+  // within: leaves the canvas within so long; none: within the lift [s].
+  void lift_off_canvas(double height, std::optional<double> within = {});
   bool lifted() const;
   void end_lift();
   double clear_height() const;

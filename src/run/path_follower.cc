@@ -75,7 +75,7 @@ PenDeviation PathFollower::deviation(const Cycle& cycle) const {
   if (!e_.belief.perception) return pen;
   const ImpedanceTorque& out = cycle.out;
   pen.limit = forecast_.limit(planned_);
-  pen.joint = (cycle.arm.v.cwiseAbs().array() / e_.belief.arm.limits().speed.array()).maxCoeff();
+  pen.joint = cycle.speed_share(e_.belief.arm.limits().speed);
   const bool draws = cycle.desired.stroke >= 0;
   const auto begins = [&] { return path().at(planned_ + clock_.way()).stroke >= 0; };
   // A stroke begins in contact: where the pen has not touched yet, the clock stops before it does.

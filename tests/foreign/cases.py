@@ -79,8 +79,6 @@ def merged(parts):
     for part in parts[1:]:
         for key in ("cases", "behind"):
             whole[key] += part[key]
-    order = ",".join(FORCE_SESSIONS).replace(",hand-across,hand-lifting,edged-75", ",edged-75,hand-across,hand-lifting").split(",")
-    whole["cases"].sort(key=lambda case: order.index(case["case"]))
     return whole
 
 

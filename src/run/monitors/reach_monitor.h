@@ -26,9 +26,10 @@ class ReachMonitor {
 
   // After each cycle in which the canvas takes the pen along.
   bool loses(const Cycle& cycle) {
-    const double share = (cycle.arm.v.cwiseAbs().array() / speed_.array()).maxCoeff();
     far_for_ = cycle.lag().norm() > kFar ? far_for_ + cycle.dt : 0.0;
-    races_for_ = goes_on_ && share > JointSpeedShares::kLaw ? races_for_ + cycle.dt : 0.0;
+    races_for_ = goes_on_ && cycle.speed_share(speed_) > JointSpeedShares::kLaw
+                     ? races_for_ + cycle.dt
+                     : 0.0;
     if (far_for_ < kConfirm && races_for_ < kRaces) return false;
     far_for_ = races_for_ = 0.0;
     return true;

@@ -60,27 +60,31 @@ class Workpieces(rig.Rig):
         modulus = scene.CONTACT["rig_modulus"] * ((HARD_BALL / OWN_STIFFNESS) ** 2 if soft else 1.0)  # F ~ E d^2
         properties.UpdateProperty("hydroelastic", "hydroelastic_modulus", modulus)
         self.graph.AssignRole(self.graph_context, self.plant.get_source_id(), self.ball, properties, RoleAssign.kReplace)
-        self.slide.Unlock(self.plant_context) if soft else None
-        if not soft:
+        if soft:
+            self.slide.Unlock(self.plant_context)
+        else:
             self.slide.set_translation(self.plant_context, 0.0)
             self.slide.set_translation_rate(self.plant_context, 0.0)
             self.slide.Lock(self.plant_context)
+
+    def placed(self, t):
+        at = self.pose(t)
+        return RigidTransform(Quaternion(at[3:] / numpy.linalg.norm(at[3:])), at[:3])
 
     def apply(self, t):
         """Moves the pieces over the next step, and lets the hand push."""
         step = scene.CONTACT["plant_step"]
         for shape, body in self.bodies.items():
             used = shape == self.shape
-            at = self.pose(t)
-            X = RigidTransform(Quaternion(at[3:] / numpy.linalg.norm(at[3:])), at[:3]) if used else AWAY[shape]
-            self.plant.SetFreeBodyPose(self.plant_context, body, X)
+            self.plant.SetFreeBodyPose(self.plant_context, body, self.placed(t) if used else AWAY[shape])
             w, v = self.velocity(t, step) if used else (numpy.zeros(3), numpy.zeros(3))
             self.plant.SetFreeBodySpatialVelocity(self.plant_context, body, SpatialVelocity(w, v))
         stiffness = self.stiffness(t)
         if stiffness is not None:
             k = stiffness / (1.0 - stiffness / HARD_BALL)
-            damping = 10.0 * math.sqrt(k / 2e4)
-            self.plant.SetDistanceConstraintParams(self.plant_context, self.spring, DistanceConstraintParams(self.bodies["flat"].index(), [0, 0, -1], self.plant.GetBodyByName("plate").index(), [0, 0, 0], 1.0, k, damping))
+            ends = self.bodies["flat"].index(), [0, 0, -1], self.plant.GetBodyByName("plate").index(), [0, 0, 0]
+            spring = DistanceConstraintParams(*ends, 1.0, k, 10.0 * math.sqrt(k / 2e4))
+            self.plant.SetDistanceConstraintParams(self.plant_context, self.spring, spring)
         tau = numpy.zeros(self.plant.num_velocities())
         hand = self.hand(t)
         if hand.any():
@@ -101,8 +105,7 @@ class Workpieces(rig.Rig):
             if self.shape == "roof":
                 side = numpy.clip((point[0] - MIDDLE[0]) / 1e-4, -1, 1) * rig.FALL
                 n = numpy.array([math.sin(side), 0, math.cos(side)])
-            at = self.pose(t)
-            n = Quaternion(at[3:] / numpy.linalg.norm(at[3:])).rotation() @ n
+            n = self.placed(t).rotation().matrix() @ n
         return float(n @ force)
 
 

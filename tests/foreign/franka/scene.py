@@ -12,7 +12,6 @@ HERE = pathlib.Path(__file__).resolve().parent
 CONTACT = tomllib.loads((HERE / "contact.toml").read_text())
 URDF = pathlib.Path(franka_sim.__file__).parent / "models/fr3.urdf"
 BOWL_RADIUS, BOWL_CENTRE = 0.30, numpy.array([0.60, 0.0, 0.40])
-FALL, HALF = math.radians(10.0), 0.18  # of the roof's sides; of the sheets [m] (../rig.py)
 PEN_LENGTH, PEN_MASS, PEN_RADIUS, FLANGE = 0.12, 0.05, 0.005, 0.107
 
 
@@ -59,22 +58,8 @@ def inertial_xml(link):
     ) + '"/>'
 
 
-def rig_xml():
-    """The force benchmark's other workpieces: a table, which is driven, and a roof; with what they do to the tip."""
-    slope = HALF * math.tan(FALL)
-    corners = [(x, y, -slope if x else 0) for x in (-HALF, 0, HALF) for y in (-HALF, HALF)]
-    corners += [(x, y, -0.1) for x in (-HALF, HALF) for y in (-HALF, HALF)]
-    middle = BOWL_CENTRE - [0, 0, BOWL_RADIUS]
-    return (
-        f'<asset><mesh name="roof" vertex="{" ".join(text(c) for c in corners)}"/></asset>',
-        '<body name="table" gravcomp="1"><freejoint name="table"/><inertial pos="0 0 0" mass="100" diaginertia="10 10 10"/>'
-        f'<geom name="flat" type="box" size="{HALF} {HALF} 0.05" pos="{text(middle - [0, 0, 0.05])}" contype="0" conaffinity="0"/></body>'
-        f'<geom name="roof" type="mesh" mesh="roof" pos="{text(middle)}" contype="0" conaffinity="0"/>',
-        pair_xml("flat") + pair_xml("roof"),
-    )
-
-
-def arm_xml(out, rig=None):
+def arm_xml(out, more=("", "", "")):
+    """`more`: further assets, bodies and pairs."""
     robot = ElementTree.parse(URDF).getroot()
     links = {link.get("name"): link for link in robot.findall("link")}
     joints = [joint for joint in robot.findall("joint") if joint.get("type") == "revolute"]
@@ -96,7 +81,7 @@ def arm_xml(out, rig=None):
         f'<geom name="tip" type="sphere" size="{c["ball_radius"]}" pos="0 0 {PEN_LENGTH - c["ball_radius"]}" contype="0" conaffinity="0"/>'
         f'<site name="tip" pos="0 0 {PEN_LENGTH}"/></body>'
     )
-    assets, pieces, pairs = rig_xml() if rig else ("", "", "")
+    assets, pieces, pairs = more
     pathlib.Path(out).write_text(
         f'<mujoco model="fr3_pen"><compiler angle="radian"/><option integrator="implicitfast" cone="elliptic"/>{assets}'
         '<worldbody><geom name="bowl" type="plane" size="1 1 0.1" pos="0.6 0 0.1" axisangle="1 0 0 0.1" contype="0" conaffinity="0"/>'
@@ -105,18 +90,8 @@ def arm_xml(out, rig=None):
     return out
 
 
-def normal_force_on_tip(model, data, tip):
-    """[N]"""
-    one, force = numpy.zeros(6), 0.0
-    for i in range(data.ncon):
-        if tip in (data.contact[i].geom1, data.contact[i].geom2):
-            mujoco.mj_contactForce(model, data, i, one)
-            force += one[0]
-    return force
-
-
 def contact_on_tip(model, data, tip):
-    """Force of the bowl on the tip in W [N], where it acts [m], and how deep the tip is in the bowl [m]; NaN where there is none."""
+    """Force of the bowl on the tip in W [N], where it acts [m], how deep the tip is in the bowl [m], NaN where there is none; and its part along the normal [N]."""
     force, point, weight, one, depth = numpy.zeros(3), numpy.zeros(3), 0.0, numpy.zeros(6), numpy.nan
     for i in range(data.ncon):
         contact = data.contact[i]
@@ -128,4 +103,4 @@ def contact_on_tip(model, data, tip):
         point += one[0] * contact.pos
         weight += one[0]
         depth = -contact.dist
-    return force, point / weight if weight > 0 else numpy.full(3, numpy.nan), depth
+    return force, point / weight if weight > 0 else numpy.full(3, numpy.nan), depth, weight

@@ -29,7 +29,7 @@ from franka_sim.franka_sim_server import FrankaSimServer  # noqa: E402
 from franka_sim.server import state_stream  # noqa: E402
 
 import scene  # noqa: E402
-from workpieces import Workpieces  # noqa: E402
+import workpieces  # noqa: E402
 
 STALL = 60  # cycles
 
@@ -43,7 +43,7 @@ class Arm(mujoco_franka_sim.MujocoFrankaSim):
         self.rows = collections.defaultdict(list)
         self.steps, self.began, self.provoked, self.stalled, self.pushed = 0, None, False, 0, 0
         self.waits, self.last_torque = [], numpy.zeros(7)
-        self.rig = Workpieces(arguments.rig) if arguments.rig else None
+        self.rig = workpieces.Workpieces(arguments.rig) if arguments.rig else None
 
     def initialize_simulation(self):
         super().initialize_simulation()
@@ -103,11 +103,11 @@ class Arm(mujoco_franka_sim.MujocoFrankaSim):
             self.rig.apply(t, self.dt)
             self.rig.push(t)
         mujoco.mj_step(self.model, self.data)
+        force, point, depth, along = scene.contact_on_tip(self.model, self.data, self.tip)
         if self.rig:
             if moving:
-                self.rig.read(t, scene.normal_force_on_tip(self.model, self.data, self.tip))
+                self.rig.read(t, along)
             return self.go_on()
-        force, point, depth = scene.contact_on_tip(self.model, self.data, self.tip)
         for name, value in (
             ("time", self.steps * self.dt),
             ("q", q),
@@ -182,7 +182,7 @@ def main():
     sys.setswitchinterval(1e-4)  # three threads of Python share a millisecond
     mujoco_franka_sim.ARM_INITIAL_Q = arguments.start
     folder = tempfile.TemporaryDirectory()
-    arm = Arm(scene.arm_xml(f"{folder.name}/fr3.xml", arguments.rig), arguments)
+    arm = Arm(scene.arm_xml(f"{folder.name}/fr3.xml", *([workpieces.xml()] if arguments.rig else [])), arguments)
     server = Server(host="127.0.0.1", port=arguments.port, physics_sim=arm, enable_gripper=False, enforce_comm_constraints=True, enforce_motion_limits=True)
     server.connected = server.left = False
     arm.server = server

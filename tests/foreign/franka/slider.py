@@ -57,7 +57,7 @@ def slide(line):
         mujoco.mj_kinematics(model, data)
         scene.follow_bowl(model, data, tip, bowl)
         mujoco.mj_step(model, data)
-        force, _, _ = scene.contact_on_tip(model, data, tip)
+        force, *_ = scene.contact_on_tip(model, data, tip)
         if t > JUDGED:
             forces.append(abs(force @ n))
     f = numpy.array(forces)

@@ -15,6 +15,21 @@ AWAY = -10.0  # [m]
 OWN_STIFFNESS = 2e4  # of the tip, by contact.toml [N/m]
 
 
+def xml():
+    """Assets, bodies and pairs of a table, which is driven, and a roof."""
+    slope = rig.HALF * math.tan(rig.FALL)
+    corners = [(x, y, -slope if x else 0) for x in (-rig.HALF, 0, rig.HALF) for y in (-rig.HALF, rig.HALF)]
+    corners += [(x, y, -0.1) for x in (-rig.HALF, rig.HALF) for y in (-rig.HALF, rig.HALF)]
+    middle = scene.BOWL_CENTRE - [0, 0, scene.BOWL_RADIUS]
+    return (
+        f'<asset><mesh name="roof" vertex="{" ".join(scene.text(c) for c in corners)}"/></asset>',
+        '<body name="table" gravcomp="1"><freejoint name="table"/><inertial pos="0 0 0" mass="100" diaginertia="10 10 10"/>'
+        f'<geom name="flat" type="box" size="{rig.HALF} {rig.HALF} 0.05" pos="{scene.text(middle - [0, 0, 0.05])}" contype="0" conaffinity="0"/></body>'
+        f'<geom name="roof" type="mesh" mesh="roof" pos="{scene.text(middle)}" contype="0" conaffinity="0"/>',
+        scene.pair_xml("flat") + scene.pair_xml("roof"),
+    )
+
+
 class Workpieces(rig.Rig):
     def begin(self, model, data):
         self.model, self.data = model, data
