@@ -7,9 +7,8 @@
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include <pinocchio/parsers/urdf.hpp>
-
 #include "impedraw/arm/arm_model.h"
+#include "impedraw/arm/kinematic_tree.h"
 #include "impedraw/arm/plain_urdf.h"
 #include "impedraw/arm/urdf_tree.h"
 #include "impedraw/common/errors.h"
@@ -19,13 +18,6 @@
 
 namespace impedraw {
 namespace {
-
-pinocchio::SE3 placement(const urdf::Pose& pose) {
-  const auto& r = pose.rotation;
-  const auto& p = pose.position;
-  return {Eigen::Quaterniond(r.w, r.x, r.y, r.z).toRotationMatrix(),
-          Eigen::Vector3d(p.x, p.y, p.z)};
-}
 
 // Keeps the parser's first complaint, which names the cause, instead of printing all of them.
 class ParserMessages : public console_bridge::OutputHandler {
@@ -106,7 +98,7 @@ std::vector<LinkCapsule> link_capsules(const urdf::ModelInterface& description,
   for (const auto& [name, link] : description.links_) {
     const auto& frame = model.frames[model.getFrameId(name, pinocchio::BODY)];
     for (const auto& body : link->collision_array) {
-      const pinocchio::SE3 X_JB = frame.placement * placement(body->origin);
+      const pinocchio::SE3 X_JB = frame.placement * placement_of(body->origin);
       const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(body->geometry.get());
       const auto* capsule = dynamic_cast<const urdf::Capsule*>(body->geometry.get());
       if (cylinder || capsule) {
@@ -148,7 +140,7 @@ UrdfModel parse_urdf(const std::string& text, const std::filesystem::path& urdf)
   UrdfModel arm;
   try {
     check_description(*description);
-    pinocchio::urdf::buildModel(description, arm.model);
+    arm.model = kinematic_tree(*description);
     arm.capsules = link_capsules(*description, arm.model);
   } catch (const std::exception& error) {
     throw InputError(fmt::format("arm description {}: {}", urdf.string(), error.what()));

@@ -1,5 +1,5 @@
 // Reads a URDF into a Pinocchio model. Only this folder's sources include this header. Reading is a
-// separate translation unit because Pinocchio's parser and algorithms are each slow to compile.
+// separate translation unit because Pinocchio's model and algorithms are each slow to compile.
 #pragma once
 
 #include <filesystem>
