@@ -59,9 +59,10 @@ void draw_map(cairo_t* cr, const CoverPicture& p, const Eigen::AlignedBox2i& box
   cairo_translate(cr, left, kTop);
   cairo_scale(cr, 1e3 * p.step, 1e3 * p.step);
   const Eigen::Vector2i size = box.sizes();
-  paint_raster(cr, size.x() + 1, size.y() + 1, CAIRO_FILTER_NEAREST, [&](int row, int column) {
+  const Raster map = raster(size.x() + 1, size.y() + 1, [&](int row, int column) {
     return colour(static_cast<std::size_t>((box.max().y() - column) * p.nx + box.max().x() - row));
   });
+  paint(cr, map, CAIRO_FILTER_NEAREST);
   cairo_restore(cr);
 }
 

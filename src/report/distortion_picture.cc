@@ -71,15 +71,15 @@ void draw_map(cairo_t* cr, const SurfacePatch& patch, const std::vector<double>&
   cairo_save(cr);
   cairo_translate(cr, far.x(), far.y());
   cairo_scale(cr, 1e3 * patch.spacing, 1e3 * patch.spacing);
-  paint_raster(cr, height, width, CAIRO_FILTER_BILINEAR,
-               [&](int row, int column) -> std::optional<Colour> {
-                 const int n = patch.node(height - 1 - row, width - 1 - column);
-                 if (!patch.cell[n]) return std::nullopt;
-                 double sum = 0;
-                 for (const int corner : {n, n + 1, n + patch.columns, n + patch.columns + 1})
-                   sum += error[patch.vertex[corner]];
-                 return colour_of(sum / 4 / end);
-               });
+  const Raster map = raster(height, width, [&](int row, int column) -> std::optional<Colour> {
+    const int n = patch.node(height - 1 - row, width - 1 - column);
+    if (!patch.cell[n]) return std::nullopt;
+    double sum = 0;
+    for (const int corner : {n, n + 1, n + patch.columns, n + patch.columns + 1})
+      sum += error[patch.vertex[corner]];
+    return colour_of(sum / 4 / end);
+  });
+  paint(cr, map, CAIRO_FILTER_BILINEAR);
   cairo_restore(cr);
 }
 

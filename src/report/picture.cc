@@ -208,6 +208,7 @@ Picture picture_of(Sheet sheet) {
 std::shared_ptr<const Relief> ink_relief(const std::vector<Eigen::Vector3d>& vertices,
                                          const std::vector<Eigen::Vector3i>& triangles,
                                          const Eigen::Matrix3d& R_WP) {
+  load_fonts();  // whoever makes the background early has the fonts at hand, too
   return std::make_shared<const Relief>(make_relief(
       vertices, triangles, [R_PW = Eigen::Matrix3d(R_WP.transpose())](const Eigen::Vector3d& p_W) {
         return seen_along_axis(R_PW, p_W);

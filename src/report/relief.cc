@@ -155,6 +155,23 @@ double Relief::shade(int row, int column) const {
   return std::max(0.0, normal.dot(Eigen::Vector3d(-0.45, -0.6, 0.66).normalized()));
 }
 
+namespace {
+
+constexpr double kInside = 0.8;  // brightness of what is seen through a hole
+
+Raster shading_of(const Relief& r) {
+  Raster image = raster(r.rows, r.columns, [&r](int i, int j) -> std::optional<Colour> {
+    const double light = r.shade(i, j), whole = r.inside(i, j) ? kInside : 1.0;
+    if (!std::isfinite(light)) return std::nullopt;
+    const Colour c = between({0.80, 0.77, 0.71}, {0.995, 0.985, 0.96}, std::min(light, 1.0));
+    return Colour{whole * c.r, whole * c.g, whole * c.b};
+  });
+  keep_deflated(image);
+  return image;
+}
+
+}  // namespace
+
 Relief make_relief(const std::vector<Eigen::Vector3d>& vertices,
                    const std::vector<Eigen::Vector3i>& triangles,
                    const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& view, int cells) {
@@ -203,13 +220,13 @@ Relief make_relief(const std::vector<Eigen::Vector3d>& vertices,
   r.is_sheet = std::abs(covered) > 2.0 * kSheet * r.area.sizes().prod() *
                                        static_cast<double>(shown) / (r.columns * r.rows);
   if (r.is_sheet || 2 * r.inside.count() > shown) r.inside.setConstant(false);
+  r.shading = shading_of(r);
   return r;
 }
 
 namespace {
 using Line = std::vector<Eigen::Vector2d>;
 constexpr std::size_t kMostCorners = 20000;  // of an outline that is drawn
-constexpr double kInside = 0.8;              // brightness of what is seen through a hole
 }  // namespace
 
 void extend(Line& line, const Eigen::Vector2d& p, double step, bool always) {
@@ -230,15 +247,7 @@ void draw_relief(cairo_t* cr, const Relief& r) {
   }
   cairo_translate(cr, r.area.min().x(), r.area.min().y());
   cairo_scale(cr, r.area.sizes().x() / r.columns, r.area.sizes().y() / r.rows);
-  paint_raster(
-      cr, r.rows, r.columns, CAIRO_FILTER_BILINEAR,
-      [&r](int i, int j) -> std::optional<Colour> {
-        const double light = r.shade(i, j), whole = r.inside(i, j) ? kInside : 1.0;
-        if (!std::isfinite(light)) return std::nullopt;
-        const Colour c = between({0.80, 0.77, 0.71}, {0.995, 0.985, 0.96}, std::min(light, 1.0));
-        return Colour{whole * c.r, whole * c.g, whole * c.b};
-      },
-      clipped ? CAIRO_EXTEND_PAD : CAIRO_EXTEND_NONE);
+  paint(cr, r.shading, CAIRO_FILTER_BILINEAR, clipped ? CAIRO_EXTEND_PAD : CAIRO_EXTEND_NONE);
   cairo_restore(cr);
   cairo_set_line_width(cr, 0.3);
   set_colour(cr, kContour, 0.55);

@@ -31,6 +31,8 @@ struct Relief {
   // The outline encloses what is seen: a sheet, and no body with holes.
   bool is_sheet = false;
 
+  Raster shading;  // rows×columns
+
   // Brightness of the cell, 0 … 1, lit from the upper left; NaN off the mesh.
   double shade(int row, int column) const;
 };

@@ -225,14 +225,15 @@ double write_words(cairo_t* cr, double x, double y, const std::string& text, dou
   return show_text(cr, x, y, text, align);
 }
 
-void paint_raster(cairo_t* cr, int rows, int columns, cairo_filter_t filter,
-                  const std::function<std::optional<Colour>(int row, int column)>& colour,
-                  cairo_extend_t beyond) {
-  cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, columns, rows);
-  cairo_surface_flush(image);
+Raster raster(int rows, int columns,
+              const std::function<std::optional<Colour>(int row, int column)>& colour) {
+  Raster image(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, columns, rows),
+               cairo_surface_destroy);
+  cairo_surface_flush(image.get());
+  const int stride = cairo_image_surface_get_stride(image.get());
   for (int i = 0; i < rows; ++i) {
-    auto* pixels = reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image) +
-                                                    i * cairo_image_surface_get_stride(image));
+    auto* pixels =
+        reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(image.get()) + i * stride);
     for (int j = 0; j < columns; ++j) {
       const std::optional<Colour> c = colour(i, j);
       const auto channel = [](double x) {
@@ -241,12 +242,38 @@ void paint_raster(cairo_t* cr, int rows, int columns, cairo_filter_t filter,
       pixels[j] = c ? 0xff000000u | channel(c->r) << 16 | channel(c->g) << 8 | channel(c->b) : 0u;
     }
   }
-  cairo_surface_mark_dirty(image);
-  cairo_set_source_surface(cr, image, 0, 0);
+  cairo_surface_mark_dirty(image.get());
+  return image;
+}
+
+void keep_deflated(const Raster& image) {
+  auto png = std::make_unique<std::string>();
+  if (cairo_surface_write_to_png_stream(image.get(), append_to_string, png.get()) !=
+      CAIRO_STATUS_SUCCESS)
+    return;  // Cairo deflates it anew
+  const auto* data = reinterpret_cast<const unsigned char*>(png->data());
+  const std::size_t size = png->size();
+  if (cairo_surface_set_mime_data(
+          image.get(), CAIRO_MIME_TYPE_PNG, data, size,
+          [](void* owner) { delete static_cast<std::string*>(owner); },
+          png.get()) == CAIRO_STATUS_SUCCESS)
+    png.release();
+}
+
+void paint(cairo_t* cr, const Raster& image, cairo_filter_t filter, cairo_extend_t beyond) {
+  cairo_set_source_surface(cr, image.get(), 0, 0);
   cairo_pattern_set_filter(cairo_get_source(cr), filter);
   cairo_pattern_set_extend(cairo_get_source(cr), beyond);
   cairo_paint(cr);
-  cairo_surface_destroy(image);
+}
+
+void load_fonts() {
+  // All pictures hint a font's letters as the first surface does that measures some of them.
+  const Raster image(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, 1, 1), cairo_surface_destroy);
+  cairo_t* cr = cairo_create(image.get());
+  set_font(cr, 10.0);
+  text_width(cr, "0");
+  cairo_destroy(cr);
 }
 
 Colour colour_from(std::uint32_t rgb) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -97,11 +98,18 @@ void set_font(cairo_t* cr, double size, bool bold = false);
 double write_words(cairo_t* cr, double x, double y, const std::string& text, double size,
                    bool bold = false, double align = 0.0);
 
-// Paints rows × columns pixels, one user unit each, from the origin to the right and down.
-// `colour(row, column)` gives nothing where the pixel is transparent. `beyond`: what is painted
-// outside.
-void paint_raster(cairo_t* cr, int rows, int columns, cairo_filter_t filter,
-                  const std::function<std::optional<Colour>(int row, int column)>& colour,
-                  cairo_extend_t beyond = CAIRO_EXTEND_NONE);
+// An image of rows × columns pixels. `colour(row, column)` gives nothing where it is transparent.
+using Raster = std::shared_ptr<cairo_surface_t>;
+Raster raster(int rows, int columns,
+              const std::function<std::optional<Colour>(int row, int column)>& colour);
+// Deflates an image that pictures in SVG will show, once for all of them.
+void keep_deflated(const Raster& image);
+// Paints it, one user unit a pixel, from the origin to the right and down. `beyond`: what is
+// painted outside.
+void paint(cairo_t* cr, const Raster& image, cairo_filter_t filter,
+           cairo_extend_t beyond = CAIRO_EXTEND_NONE);
+
+// Makes fontconfig read its files, which the first text would wait for.
+void load_fonts();
 
 }  // namespace impedraw
