@@ -11,6 +11,7 @@
 #include "arm_fixture.h"
 #include "dense_algebra.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/control/disturbance.h"
 
 namespace impedraw {
 namespace {
@@ -207,6 +208,50 @@ TEST(MomentumObserver, BothDelaysAtOnce) {
   MomentumObserver observer(observer_of(200.0), 7, kDt, 4 * kDt, 3 * kDt);
   Plant plant;
   EXPECT_LT(worst(observe(observer, plant, 600, waving_wrench, d, 3, 4), d, 200), 0.1);
+}
+
+// The law's settings tell all ages from now; a state that is read late is older than its torque's
+// effect, and younger than a wrench that is later still.
+TEST(MomentumObserver, IsToldTheAgesFromTheStateOn) {
+  constexpr int kState = 2, kTorque = 3, kWrench = 6;  // [steps]
+  const JointVector d = some_torque(0.5);
+  const auto worst_told = [&](int state, int torque, int wrench) {
+    ImpedanceSettings s;
+    s.wrench = WrenchFeedback::measured;
+    s.observer = observer_of(200.0);
+    s.timing.dt = kDt;
+    s.timing.loop_delay = (1 + torque) * kDt;
+    s.timing.wrench_delay = (1 + wrench) * kDt;
+    s.timing.velocity_age = state * kDt;
+    Disturbance disturbance(s, 7);
+    OperationalSpace space;
+    Plant plant;
+    std::vector<ArmTerms> states;
+    std::vector<JointVector> r, commands;
+    const JointVector first = plant.moving_torque(0.0);
+    for (int i = 0; i < 600; ++i) {
+      states.push_back(plant.terms);
+      const TipReference reference;
+      const SurfaceEstimate surface;
+      const StepInput in{states[static_cast<std::size_t>(std::max(0, i - kState))],
+                         reference,
+                         surface,
+                         waving_wrench((i - 1 - kWrench) * kDt),
+                         false,
+                         nullptr};
+      r.push_back(-disturbance.compensation(in, space));
+      commands.push_back(plant.moving_torque(i * kDt));
+      disturbance.commanded(in, commands.back());
+      plant.step(i < kTorque ? first : commands[static_cast<std::size_t>(i - kTorque)],
+                 waving_wrench(i * kDt), d);
+    }
+    return worst(r, d, 200);
+  };
+  const double told = worst_told(kState, kTorque, kWrench);
+  EXPECT_LT(told, 0.1);
+  EXPECT_GT(worst_told(0, kTorque, kWrench), 2.0 * told);
+  EXPECT_GT(worst_told(kState, kTorque - 2, kWrench), 1.2 * told);
+  EXPECT_GT(worst_told(kState, kTorque, kWrench - 2), 2.0 * told);
 }
 
 TEST(MomentumObserver, ForgetsOnReset) {

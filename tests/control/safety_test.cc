@@ -29,6 +29,26 @@ struct RateWatch {
   }
 };
 
+// A swinging arm comes to rest; what is told meanwhile is where its pen is and points.
+TEST(Brake, BringsAnArmToRestAndTellsWhereItsPenIs) {
+  ArmModel arm(kArm);
+  FreeArm free(shaped_settings(arm));
+  JointVector v = JointVector::Zero(7);
+  v[0] = 0.6;
+  v[3] = -0.5;
+  free.world.set_state(working_posture(), v);
+  for (int i = 0; i < 800; ++i) {
+    free.measure();
+    const ImpedanceTorque& out = free.controller.brake(free.terms, Eigen::Vector3d::Zero());
+    ASSERT_LT((out.n_WD + free.terms.X_WE.R.col(2)).norm(), 1e-12);
+    ASSERT_LT((out.axis_WD + free.terms.X_WE.R.col(2)).norm(), 1e-12);
+    ASSERT_EQ(out.p_WD, free.terms.X_WE.p);
+    ASSERT_EQ(out.push, 0.0);
+    free.move(out.tau, Wrench::Zero());
+  }
+  EXPECT_LT(free.world.state().v.norm(), 0.01);
+}
+
 TEST(TorqueRate, HoldsAcrossEverySwitchOfState) {
   ArmModel arm(kArm);
   for (const bool natural : {false, true}) {

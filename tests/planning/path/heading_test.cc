@@ -77,6 +77,36 @@ TEST(Heading, RatesAreItsDerivatives) {
   }
 }
 
+// Bends turn the tool by what its turn may accelerate, and no more.
+TEST(Heading, TurnsNoFasterThanItMayAccelerate) {
+  PathSettings s = led();
+  s.turn_acceleration = 3.0;
+  s.normal_acceleration = 100.0;
+  const TipPath path = plan_tip_path({sine()}, surfaces::bowl, s);
+  constexpr double dt = 2e-3;
+  double most = 0.0;
+  for (double t = dt; t < path.duration() - dt; t += dt)
+    most = std::max(
+        most, std::abs(path.at(t + dt).reference.yaw_rate - path.at(t - dt).reference.yaw_rate) /
+                  (2.0 * dt));
+  EXPECT_LT(most, 1.02 * s.turn_acceleration);
+  EXPECT_GT(most, 0.5 * s.turn_acceleration);
+}
+
+// The reference lies below the surface all along, from one part of a stroke to the next as well.
+TEST(Heading, GoesOnWhereItWasBelowTheSurface) {
+  for (const bool lifted : {false, true}) {
+    PathSettings s = led(0.0, 0.0, lifted);
+    s.sink = 0.01;
+    const TipPath path = plan_tip_path({star()}, surfaces::bowl, s);
+    constexpr double dt = 1e-3;
+    for (double t = 0.0; t < path.duration() - dt; t += dt) {
+      const TipReference a = path.at(t).reference, b = path.at(t + dt).reference;
+      ASSERT_LT((b.p_WD - a.p_WD).norm(), 1.1 * dt * std::max(s.travel_speed, s.draw_speed)) << t;
+    }
+  }
+}
+
 TEST(Heading, ItsEdgeStaysAtTheCornerWhileItTurns) {
   const TipPath path = plan_tip_path({star()}, surfaces::bowl, led(0.0, 3e-3));
   int turns = 0;
