@@ -82,11 +82,6 @@ DriverMaker driver_maker(const Experiment& e) {
 
 void require_steady_loop(const Scenario& scenario, const LiveOptions& live) {
   if (scenario.arm.driver == ArmDriver::sim || scenario.arm.clock == ArmClock::lock_step) return;
-  if (scenario.drawing.redraw)
-    throw InputError(
-        "drawing.redraw is true, and arm.clock is wall: the way to redraw is planned between two "
-        "steps, and that arm does not wait; set drawing.redraw=false, or arm.clock=lock_step for a "
-        "simulator that waits");
   if (live.pace > 0.0)
     throw InputError(
         "--pace stops the loop between two steps, and arm.clock is wall: that arm does not wait; "

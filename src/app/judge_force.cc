@@ -10,6 +10,7 @@
 #include "impedraw/files/data_folder.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/judge/force_results.h"
+#include "impedraw/run/real_time.h"
 #include "impedraw/run/run_folder.h"
 #include "impedraw/settings/settings_text.h"
 #include "impedraw/terminal/clock.h"
@@ -133,6 +134,7 @@ int judge_force(DrawOptions options, const JudgeForceOptions& judged) {
 
   results.arm = name_of_arm(judged, scenario);
   results.driver = is_driver(judged.arm) ? judged.arm : "sim";
+  results.simulated = !make_driver || scenario.arm.clock == ArmClock::lock_step;
   results.runs = judged.runs;
   const auto kept = std::stable_partition(cases.begin(), cases.end(), [&](const ForceCase& c) {
     return !make_driver || !judged.rig.empty() || !c.needs_rig();
@@ -146,6 +148,7 @@ int judge_force(DrawOptions options, const JudgeForceOptions& judged) {
         fmt::join(results.left_out, ", "), judged.arm));
 
   const Interrupt interrupt;
+  const RealTime real_time(!results.simulated && scenario.arm.real_time);
   const double all = static_cast<double>(cases.size() * controllers.size()) * judged.runs;
   double done = 0.0;
   ProgressLine line;

@@ -121,7 +121,7 @@ std::string force_json(const ForceResults& results) {
                       {"sd", "N"},
                       {"bandwidth", "Hz"},
                       {"work_lost", "J"}};
-  Json all = {{"simulated", true},
+  Json all = {{"simulated", results.simulated},
               {"arm", results.arm},
               {"driver", results.driver},
               {"command", results.again},
@@ -144,7 +144,7 @@ constexpr int kBuckets = 150;                     // of a curve, each with its l
 
 constexpr const char* kHead = R"(<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<title>Force benchmark, simulated</title><style>
+<title>Force benchmark</title><style>
 :root{color-scheme:light dark;--text:#1c1c1e;--back:#fff;--line:#d8d8dc;--soft:#6b6b70;
 --c0:#0a66c2;--c1:#c2571a;--c2:#3d8b40;--asked:#9a9aa0}
 @media(prefers-color-scheme:dark){:root{--text:#e8e8ea;--back:#161618;--line:#3a3a3e;
@@ -361,10 +361,12 @@ was made.</p>
 
 std::string force_page(const ForceResults& results) {
   std::string html = kHead;
-  html += fmt::format(
-      "<h1>Force benchmark, simulated</h1>\n<p>{}, {}. {} runs of each case", escaped(results.arm),
-      results.driver == "sim" ? "this program's simulator" : "a simulator behind " + results.driver,
-      results.runs);
+  html += fmt::format("<h1>Force benchmark, {}</h1>\n<p>{}, {}{}. {} runs of each case",
+                      results.simulated ? "simulated" : "measured", escaped(results.arm),
+                      results.driver == "sim" ? "this program's simulator"
+                      : results.simulated     ? "a simulator behind "
+                                              : "an arm behind ",
+                      results.driver == "sim" ? "" : results.driver, results.runs);
   html += fmt::format(" took {:.0f} s. Again: <code>{}</code></p>\n", results.seconds,
                       escaped(results.again));
   if (!results.ended.empty())

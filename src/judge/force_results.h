@@ -36,6 +36,7 @@ struct JudgedCase {
 struct ForceResults {
   std::string arm;     // the arm's name
   std::string driver;  // who moves it: sim, iiwa-lcm, franka
+  bool simulated = true;
   std::string again;   // the command that makes them
   int runs = 5;        // of each case, as asked for
   double seconds = 0;  // wall time

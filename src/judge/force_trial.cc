@@ -104,18 +104,23 @@ ForceBench::ForceBench(Prepared& e, const DriverMaker& make_driver, bool has_sen
         "judge-force: nothing measures the force: this arm gives no wrench at its tip; valid is "
         "--sensor FILE with the readings of a sensor under the workpiece, arm.driver sim, or "
         "iiwa-lcm with control.wrench: ground_truth");
-  if (!driver_->info().waits)
-    throw InputError(
-        "judge-force: arm.clock is wall, and controllers are made between two runs, while that arm "
-        "does not wait; valid is arm.clock=lock_step");
   driver_->start();
+  hold();
 }
 
 ForceBench::~ForceBench() {
+  held_.reset();
   if (driver_) driver_->stop();
 }
 
-std::string ForceBench::fault() const { return driver_ ? driver_->fault() : std::string(); }
+std::string ForceBench::fault() const {
+  return driver_ && (!held_ || held_->failed()) ? driver_->fault() : std::string();
+}
+
+// Controllers are made, and runs are judged, between two runs. Only an arm in lock-step waits.
+void ForceBench::hold() {
+  if (!driver_->info().waits) held_.emplace(*driver_, e_.belief.arm, state_);
+}
 
 // Makes the simulated world anew, if its workpiece has another shape.
 void ForceBench::set_shape(Workpiece::Shape shape) {
@@ -162,14 +167,18 @@ ForceRun ForceBench::run(const ForceCase& c, ForceController controller, int see
     driver->start();
   }
   // A driven arm's last state of the run before waits for its answer.
-  const ArmState* state = driver_ && state_ ? state_ : &driver->read();
-  const ForceProgramme programme = programme_from(world ? e_.belief.start_q : state->q);
+  const ArmState* state = held_ ? nullptr : driver_ && state_ ? state_ : &driver->read();
+  const ForceProgramme programme = programme_from(world   ? e_.belief.start_q
+                                                  : held_ ? held_->posture()
+                                                          : state->q);
   if (!rig_.empty()) write_whole(rig_, rig_order(c, piece_, programme, ++orders_));
 
   ForceRun run;
   run.record.reserve(static_cast<std::size_t>(programme.leave() / driver->info().period) + 1);
   Law law(e_, driver->info(), controller, believed, c.approach_speed);
   const bool measured = world || driver->info().wrench == WrenchReading::tip;
+  if (held_) state = held_->release();
+  held_.reset();
   const double begin = state->time, end = driver_ ? programme.leave() : programme.end();
   for (double t = 0.0; t < end; t = state->time - begin) {
     const ForceCommand command = programme.at(t);
@@ -222,12 +231,14 @@ void ForceBench::make_ready(const ForceRun& run, Law* law, const ArmState* state
     state = &driver_->read();
   }
   state_ = state;
-  if (driver_->fault().empty()) return;
-  driver_->stop();
-  JointVector q;
-  if (e_.scenario.arm.recoveries == 0 || !driver_->recover(&q)) return;
-  driver_->start();
-  state_ = nullptr;
+  if (!driver_->fault().empty()) {
+    driver_->stop();
+    JointVector q;
+    if (e_.scenario.arm.recoveries == 0 || !driver_->recover(&q)) return;
+    driver_->start();
+    state_ = nullptr;
+  }
+  hold();
 }
 
 void ForceRun::ask() {

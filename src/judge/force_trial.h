@@ -27,6 +27,7 @@
 #include "impedraw/judge/force_metrics.h"
 #include "impedraw/run/draw_into.h"
 #include "impedraw/run/driver.h"
+#include "impedraw/run/held_arm.h"
 
 namespace impedraw {
 
@@ -164,6 +165,7 @@ class ForceBench {
  private:
   struct Law;
   void set_shape(Workpiece::Shape shape);
+  void hold();
   // The driven arm, for the next run: damps a motion that ended early, and recovers from a reflex.
   void make_ready(const ForceRun& run, Law* law, const ArmState* state);
 
@@ -172,6 +174,7 @@ class ForceBench {
   Scenario as_given_;
   std::unique_ptr<Driver> driver_;         // null: a simulated arm for each run
   const ArmState* state_ = nullptr;        // of the driven arm, not yet answered
+  std::optional<HeldArm> held_;            // between two runs, on a wall clock
   std::optional<Workpiece::Shape> shape_;  // of the simulated workpiece
   std::filesystem::path rig_;              // file of its orders; empty: none
   int orders_ = 0;                         // given to it

@@ -12,6 +12,7 @@
 #include "impedraw/run/control_loop.h"
 #include "impedraw/run/cycle.h"
 #include "impedraw/run/driver.h"
+#include "impedraw/run/held_arm.h"
 #include "impedraw/run/incident.h"
 #include "impedraw/run/motion_check.h"
 #include "impedraw/run/real_time.h"
@@ -72,6 +73,15 @@ class DrivenArm {
   // Runs and logs one control cycle, and reads the next state. time_scale: the plan clock's rate.
   // `desired` must outlive the result.
   Cycle step(const PathSample& desired, const Law& law, double time_scale);
+  // Runs `work` between two steps. An arm on a wall clock is held meanwhile.
+  template <typename Work>
+  auto while_held(const Work& work) {
+    if (waits_) return work();
+    HeldArm held(driver_, arm_, state_);
+    auto result = work();
+    state_ = held.release();
+    return result;
+  }
   // Between two steps, at rest: the arm holds another pen, or one whose length was found.
   void hold_pen(const HeldPen& pen);
   const HeldPen& pen() const { return pen_; }

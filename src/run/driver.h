@@ -2,7 +2,7 @@
 // named faults. The loop (run.h), the log and the redrawing are the same for every driver. The
 // simulated arm (simulated_arm.h) is the first driver.
 //
-// Call order, all from the loop's single thread:
+// Call order, from one thread at a time:
 //
 //   start()                    once: the arm is ready, at rest, and holds itself until a command
 //   read()                     the state at the beginning of a control cycle
@@ -12,8 +12,8 @@
 //   stop()                     once, after the run ends for any reason, errors included
 //
 // read() and command() alternate, read() first. They do not allocate, do not throw, and do not take
-// locks that another thread may hold for long. Between the first pass and the redrawing of gaps the
-// loop plans and sends no commands; a driver on a wall clock must hold the posture meanwhile.
+// locks that another thread may hold for long. While the loop plans, at rest, another thread calls
+// them for an arm on a wall clock (held_arm.h).
 //
 // Clock. A driver in lock-step (simulators) waits for command(), then advances by one period. The
 // run does not depend on the loop's speed. A driver on a wall clock waits in read() for the next

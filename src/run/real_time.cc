@@ -1,5 +1,6 @@
 #include "impedraw/run/real_time.h"
 
+#include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -51,6 +52,13 @@ RealTime::~RealTime() {
   const sched_param usual{};
   if (scheduled_) sched_setscheduler(0, SCHED_OTHER, &usual);
   if (locked_) munlockall();
+}
+
+void schedule_alike(std::thread* other) noexcept {
+  if ((sched_getscheduler(0) & ~SCHED_RESET_ON_FORK) != SCHED_FIFO) return;
+  sched_param priority{};
+  sched_getparam(0, &priority);
+  pthread_setschedparam(other->native_handle(), SCHED_FIFO, &priority);
 }
 
 std::vector<double> wake_up_delays(double period, int count) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace impedraw {
@@ -25,6 +26,9 @@ class RealTime {
   bool scheduled_ = false, locked_ = false;
   std::string lacks_;
 };
+
+// Gives the thread this one's priority, where this one has SCHED_FIFO.
+void schedule_alike(std::thread* other) noexcept;
 
 // Lateness with which this thread wakes up from `count` sleeps to absolute times `period` [s]
 // apart, by the monotonic clock [s].

@@ -109,7 +109,8 @@ RunOutcome run(const Experiment& e, Driver& driver, const std::filesystem::path&
 
   const auto loop_start = Clock::now();
   while (executor.goes_on()) {
-    const Move move = drawing->next(executor.situation());
+    const Situation now = executor.situation();
+    const Move move = arm.while_held([&] { return drawing->next(now); });
     executor.carry_out(move);
     if (move.kind == Move::Kind::end) break;
   }

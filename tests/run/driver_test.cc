@@ -153,6 +153,38 @@ TEST_F(DriverTest, WithoutTheTruthContactIsWhatWasMeasured) {
   EXPECT_TRUE(metrics.joint_margin_min.value());
 }
 
+// What got no ink is drawn again after it was planned how, while the arm is answered and stays.
+TEST_F(DriverTest, OnAWallClockTheArmIsHeldWhileTheLoopPlans) {
+  class Held : public TestDriver {
+   public:
+    explicit Held(Prepared& e) : TestDriver(e), loop_(std::this_thread::get_id()) {
+      changed_info().waits = false;
+    }
+    void command(const JointVector& tau, const JointVector& gravity) noexcept override {
+      if (std::this_thread::get_id() != loop_) {
+        ++held;
+        moved = std::max(moved, truth()->v.norm());
+      }
+      TestDriver::command(tau, gravity);
+    }
+    int held = 0;
+    double moved = 0.0;  // [rad/s]
+
+   private:
+    std::thread::id loop_;
+  };
+  Prepared e = prepared("safety-no-cloud", {"drawing.redraw=true"});
+  Held driver(e);
+  const RunOutcome outcome = run(e, driver, log_, 0.0);
+  EXPECT_EQ(outcome.end, RunEnd::finished) << outcome.cause;
+  EXPECT_EQ(outcome.drawn_again.size(), 1u);
+  EXPECT_TRUE(outcome.lacking.empty());
+  EXPECT_EQ(driver.order, "start stop ");
+  EXPECT_GT(driver.held, 10);
+  EXPECT_LT(driver.moved, 0.02);
+  EXPECT_EQ(compute_metrics(read_run(log_)).coverage.or_nan(), 1.0);
+}
+
 // As an arm on a wall clock whose cameras keep capturing: frames are taken by another thread, with
 // what they refer to their own.
 class CapturingDriver : public TestDriver {
