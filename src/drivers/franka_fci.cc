@@ -278,6 +278,7 @@ void FrankaFci::command(const JointVector& tau, const JointVector& gravity) noex
     }
     if (!fault_.empty()) return;
     if (holds_) session_->hold();
+    read_at_ = wall_seconds();  // what came before is no control step
   }
   wanted_ = tau - gravity;
   send(wanted_, false);

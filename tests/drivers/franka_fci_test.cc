@@ -229,6 +229,20 @@ TEST_F(FrankaFciTest, TorqueRampsWithoutABumpAndEndsWithZero) {
   EXPECT_TRUE(arm.finished);
 }
 
+// Neither what the loop does before its first command() nor the start of the motion is one.
+TEST_F(FrankaFciTest, TheFirstControlStepBeginsWithTheMotion) {
+  settings.clock = ArmClock::wall;
+  FrankaFci driver(settings, model, 1e-3, arm.q);
+  driver.start();
+  driver.read();
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  const JointVector zero = JointVector::Zero(7);
+  driver.command(zero, zero);
+  EXPECT_LT(driver.read().step_time, 0.15);
+  EXPECT_EQ(driver.fault(), "");
+  driver.stop();
+}
+
 // Between the states, too, nothing goes to the heap: neither in the session nor in the protocol.
 TEST_F(FrankaFciTest, ACycleAllocatesNothing) {
   FrankaFci driver(settings, model, 1e-3, arm.q);

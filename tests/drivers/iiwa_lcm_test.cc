@@ -208,7 +208,9 @@ TEST_F(IiwaLcmTest, EachStatusIsAnsweredWithItsOwnTimeAndZeroComesLast) {
 // What the loop does between its first read() and its first command() is no time of the arm's.
 TEST_F(IiwaLcmTest, TheClockBeginsWithTheFirstCommand) {
   MadeUpArm arm;
-  IiwaLcm driver(settings_for(arm.url), model_, 1e-3, torque(0.0), false);
+  ArmSettings settings = settings_for(arm.url);
+  settings.clock = ArmClock::wall;
+  IiwaLcm driver(settings, model_, 1e-3, torque(0.0), false);
   driver.start();
   const ArmState& state = driver.read();
   EXPECT_EQ(state.time, 0.0);
@@ -217,6 +219,7 @@ TEST_F(IiwaLcmTest, TheClockBeginsWithTheFirstCommand) {
   driver.read();
   EXPECT_GT(state.time, 0.5e-3);
   EXPECT_LT(state.time, 0.02);
+  EXPECT_LT(state.step_time, 0.15);
   driver.stop();
   arm.end();
   ASSERT_FALSE(arm.commands.empty());
