@@ -69,6 +69,8 @@ def motion(kind, seed):
 
 
 def write(folder, kind, seed):
+    folder = pathlib.Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
     t, p, phi = motion(kind, seed)
     half = 0.5 * np.linalg.norm(phi, axis=1)
     turn = 0.5 * np.sinc(half / np.pi)[:, None] * phi
@@ -78,8 +80,6 @@ def write(folder, kind, seed):
 
 
 def write_all(folder):
-    folder = pathlib.Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
     for kind in KINDS:
         for seed in range(1, 7):
             write(folder, kind, seed)
@@ -87,7 +87,7 @@ def write_all(folder):
 
 if __name__ == "__main__":
     if len(sys.argv) == 4 and sys.argv[2] in KINDS:
-        write(pathlib.Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]))
+        write(sys.argv[1], sys.argv[2], int(sys.argv[3]))
     elif len(sys.argv) == 2:
         write_all(sys.argv[1])
     else:

@@ -1,9 +1,12 @@
 #include "impedraw/simulation/recorded_motion.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <Eigen/Geometry>
 
 #include "impedraw/common/errors.h"
@@ -18,6 +21,21 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr std::size_t kMostBytes = 200'000'000;
+
+// The axis that a column's name ends in, as in qw, p_x or "y [m]"; nothing where it is another word.
+char axis_of(std::string_view name) {
+  name = trimmed(name.substr(0, name.find_first_of("[(")));
+  const char last = name.empty() ? ' ' : static_cast<char>(std::tolower(name.back()));
+  return last >= 'w' && last <= 'z' ? last : ' ';
+}
+
+// A header that names the axes of all columns in another order: such rows would be taken for other
+// turns, as those of t, x, y, z, qx, qy, qz, qw.
+bool in_other_order(const std::vector<std::string_view>& fields) {
+  std::string axes;
+  for (std::size_t i = 1; i < fields.size(); ++i) axes += axis_of(fields[i]);
+  return fields.size() == 8 && axes.find(' ') == std::string::npos && axes != "xyzwxyz";
+}
 
 template <typename Row>
 Quaterniond turn_of(const Row& row) {
@@ -39,7 +57,12 @@ RecordedMotion::RecordedMotion(std::string_view text, const std::string& name) {
     ++line_number;
     if (line.empty() || line.starts_with('#')) continue;
     const std::vector<std::string_view> fields = fields_of(line);
-    if (times_.empty() && !number_in(fields[0])) continue;  // header
+    if (times_.empty() && !number_in(fields[0])) {  // header
+      if (in_other_order(fields))
+        fail(fmt::format("names the columns {}; valid are t, x, y, z, qw, qx, qy, qz in this order",
+                         fmt::join(fields, ", ")));
+      continue;
+    }
     std::array<double, 8> values;
     if (fields.size() != values.size())
       fail(fmt::format("has {} fields; valid are 8: t, x, y, z, qw, qx, qy, qz", fields.size()));
