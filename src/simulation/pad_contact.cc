@@ -91,8 +91,13 @@ void PadContact::press_face(const Canvas& canvas, const Pose& X_KE, const Vector
   double sum = 0.0;
   for (std::size_t i = 0; i < kCells; ++i) {
     const Eigen::Vector3d disc(cells_[i].x(), cells_[i].y(), settings_.rest - settings_.thickness);
-    const auto hit = canvas.ray(X_KE * disc, z);
-    const double compression = hit ? settings_.thickness - hit->t : -1.0;
+    auto hit = canvas.ray(X_KE * disc, z);
+    double compression = hit ? settings_.thickness - hit->t : -1.0;
+    if (flat && compression <= 0.0) {
+      hit = canvas.ray(X_KE * disc - settings_.thickness * z, z);
+      const bool behind = hit && hit->t < settings_.thickness && hit->n_W.dot(z) < 0.0;
+      if (behind) compression = 2.0 * settings_.thickness - hit->t;
+    }
     if (compression <= 0.0) {
       pressure_[i] = 0.0;
       shear_[i].setZero();

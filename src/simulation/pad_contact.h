@@ -3,7 +3,9 @@
 // independent springs (Winkler), and each of its cells slides by Coulomb's law.
 //
 //   δ_i  = ray from the disc at cell i along z_E, which meets the canvas within the foam [m]
-//   p_i  = max(0, k δ_i − b n_i·v_i)                             pressure [Pa], along n_i
+//   p_i  = max(0, k δ_i − b n_i·v_i)                             pressure [Pa], along n_i; of a
+//          disc also where the canvas stands up to a foam's thickness behind it: more foam than
+//          there is gives way, and nothing falls through
 //   s_i ← s_i + (1 − n_i n_iᵀ) v_i dt,  |k_s s_i| ≤ μ p_i         shear, k_s = k/2
 //   of a line: |k_s s_i·a| ≤ μ p_i,  |k_s s_i·b| ≤ μ_across p_i;  a: x_E along the surface,
 //   b = n × a; k_s = 20 k: what is cut gives way by a tenth of the depth

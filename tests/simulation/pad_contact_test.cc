@@ -39,6 +39,15 @@ TEST(Pad, ForceOfADiscOnSprings) {
   EXPECT_FALSE(load(pressed(-1e-4)).touching);
 }
 
+// Pressed deeper than its foam is thick, it does not fall through.
+TEST(Pad, BearsDeeperThanItsFoam) {
+  const PadSettings s;
+  for (const double depth : {0.9, 1.1, 1.5}) {
+    const PadLoad at = load(pressed(depth * s.thickness));
+    EXPECT_NEAR(at.f.z(), s.stiffness * s.area() * depth * s.thickness, 1e-6) << depth;
+  }
+}
+
 TEST(Pad, MomentOfATiltedDisc) {
   const PadSettings s;
   const double tilt = 0.01, inertia = std::numbers::pi / 4.0 * std::pow(s.radius, 4);
