@@ -270,7 +270,7 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   const TrueCover truth = true_cover(scenario, scene, X_WP, plan);
   scenes.give_back(std::move(scene));
   make_folder(folder);
-  const fs::path strokes = fs::absolute(folder / "cover.csv"),
+  const fs::path strokes = fs::absolute(folder / kCoverLines),
                  draft = fs::absolute(folder / "cover-draft.csv");
   const std::string begun_along = begun ? text_of(strokes) : "";
   // A resumed run keeps its lines until the same have been found again.

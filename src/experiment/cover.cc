@@ -130,6 +130,17 @@ void require_centres(const CoverPlan& plan, const Scenario& s, const SettingErro
                            drawn ? "in cover.region" : "on the canvas"));
 }
 
+// Throws InputError where the footprint fits, but in too little room for a line.
+void require_lines(const CoverPlan& plan, const Scenario& s, const SettingErrors& errors) {
+  if (!plan.lines.passes.empty()) return;
+  errors.raise({"tool.radius", "cover.region"},
+               fmt::format("tool.radius: a {0} of {1:.1f} mm, kept {2:.1f} mm off the edges, has no "
+                           "room to move along a line {3}; valid is a smaller {0}",
+                           name_of(s.tool), 2e3 * plan.wish.footprint.radius,
+                           1e3 * plan.wish.margin,
+                           s.cover.region.empty() ? "on the canvas" : "in cover.region"));
+}
+
 // `refused`: lines were left out.
 void note_rest(const Scenario& s, bool refused, CoverPlan* cover) {
   const double max_slope_deg = s.preflight.max_slope_deg;
@@ -272,6 +283,7 @@ Scenario with_cover_defaults(Scenario s, const Places& places) {
         "tool.kind is pen: its ball touches at a point and covers no area; valid is pad, or "
         "nozzle");
   if (s.tool.kind == ToolKind::pen) s.tool.kind = ToolKind::pad;
+  require_own_settings(s.tool, places);
   // A jet coats by time: it must not have to slow down where rows turn.
   if (!given("path.draw_speed")) s.path.draw_speed = s.tool.kind == ToolKind::nozzle ? 0.05 : 0.1;
   if (!given("path.draw_acceleration")) s.path.draw_acceleration = 2.0;
@@ -322,6 +334,7 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
   plan.centres = footprint_centres(plan.grid, plan.wish);
   require_centres(plan, s, errors);
   lay_lines(s, &plan);
+  require_lines(plan, s, errors);
   return plan;
 }
 
@@ -359,7 +372,7 @@ bool keep_within_reach(const Scenario& s, const PlannedDrawing& drawing, CoverPl
   }
   if (std::ranges::count(c.allowed, 1) == 0) return false;
   lay_lines(s, plan);
-  return true;
+  return !plan->lines.passes.empty();
 }
 
 bool keep_drawn(const Scenario& s, const PlannedDrawing& drawing, CoverPlan* plan) {

@@ -10,6 +10,7 @@
 #include "impedraw/common/file_extension.h"
 #include "impedraw/experiment/line_forces.h"
 #include "impedraw/experiment/plan_notes.h"
+#include "impedraw/experiment/tool_fit.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/terminal/say.h"
 
@@ -79,6 +80,7 @@ PreparedPlan prepare_plan(const Scenario& given, const Places& places, Unreachab
                           const PrepareProgress& progress, SceneCache* scenes,
                           PlanSummary summary) {
   const SettingErrors setting_errors(places);
+  require_own_settings(given.tool, places);
   Scenario scenario = given;
   scenario.drawing.placement = placement_settings(scenario.drawing);
   if (progress) progress("reading and ordering the artwork", 0.0);

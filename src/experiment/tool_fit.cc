@@ -169,6 +169,46 @@ void require_rim(const Scenario& s, const Plan& plan, const SurfaceHeight& surfa
 
 }  // namespace
 
+void require_own_settings(const ToolSettings& tool, const Places& places) {
+  using enum ToolKind;
+  struct Kind {
+    ToolKind kind;
+    const char* name;
+    std::vector<std::string> settings;
+  };
+  static const std::vector<Kind> kKinds = {
+      {pen, "pen", {}},
+      {pad, "pad", {"radius", "foam_stiffness", "joints", "pivot"}},
+      {engraver, "engraver", {"depth", "half_angle", "passes", "hardness"}},
+      {blade, "blade", {"radius", "half_angle", "hardness", "yaw", "trail", "swivel"}},
+      {roller, "roller", {"radius", "foam_stiffness", "hardness", "yaw", "trail", "swivel"}},
+      {nozzle, "nozzle", {"radius", "stand_off"}}};
+  const Kind& own = *std::ranges::find(kKinds, tool.kind, &Kind::kind);
+  const auto file_of = [&](const std::string& setting) {
+    const std::string place = places.of(setting);
+    return place.starts_with("--") ? "--set" : place.substr(0, place.rfind(':'));
+  };
+  for (const Kind& other : kKinds)
+    for (const std::string& setting : other.settings) {
+      const std::string name = "tool." + setting, file = file_of(name);
+      if (std::ranges::count(own.settings, setting) > 0 ||
+          (file != "--set" && file != file_of("tool.kind")))
+        continue;
+      std::string owners;
+      for (const Kind& kind : kKinds)
+        if (std::ranges::count(kind.settings, setting) > 0)
+          owners += (owners.empty() ? "" : ", ") + std::string(kind.name);
+      SettingErrors(places).raise(
+          {name}, fmt::format("{} is given, and tool.kind is {}, which has none; valid is {}{}",
+                              name, own.name,
+                              own.settings.empty()
+                                  ? ""
+                                  : fmt::format("one of tool.{}, or ",
+                                                fmt::join(own.settings, ", tool.")),
+                              "tool.kind: " + owners));
+    }
+}
+
 void require_foam(const Scenario& s, const SettingErrors& errors) {
   constexpr double kMostPressed = 0.85;  // of the foam's thickness; more of it counts as a wall
   const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);

@@ -46,7 +46,8 @@ void require_folder(const fs::path& folder, std::initializer_list<const char*> m
   if (error) refuse(fmt::format("cannot be read: {}", error.message()));
   // Files that a command leaves when it is killed before its first result.
   const auto left_over = [](const fs::directory_entry& entry) {
-    return entry.path().filename() == kLockFile || is_unfinished(entry.path());
+    const fs::path name = entry.path().filename();
+    return name == kLockFile || name == kCoverLines || is_unfinished(entry.path());
   };
   if (std::all_of(entries, fs::directory_iterator(), left_over)) return;
   for (const char* mark : marks)

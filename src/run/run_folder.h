@@ -38,6 +38,7 @@ void make_folder(const std::filesystem::path& folder);  // throws InputError on 
 // last.
 
 inline constexpr const char* kLockFile = "run.lock";
+inline constexpr const char* kCoverLines = "cover.csv";  // laid before the run begins
 
 class FolderLock {
  public:

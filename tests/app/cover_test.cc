@@ -252,6 +252,31 @@ TEST_F(Cover, NamesBadInput) {
   refuses("--set tool.radius=0.0075", "press the foam of a pad of 15.0 mm in by 14.1 mm");
   refuses("--region part.ply#c0102", "a colour of six hexadecimal digits");
   refuses("--region " + painted(0.5), "lies off the canvas");
+  refuses("--set tool.depth=0.0005", "tool.depth is given, and tool.kind is pad");
+  refuses("--set tool.kind=nozzle --set tool.radius=0.1", "has no room to move along a line");
+}
+
+// What is given with a scenario's own tool is not of another tool that is taken instead.
+TEST_F(Cover, NamesSettingsOfAnotherTool) {
+  EXPECT_EQ(run("scenarios/bowl-engrave.yaml --set tool.trail=0.001", "plan"), 2);
+  EXPECT_NE(said().find("--set tool.trail=0.001: tool.trail is given, and tool.kind is engraver"),
+            std::string::npos)
+      << said();
+  EXPECT_NE(said().find("valid is one of tool.depth, tool.half_angle, tool.passes, tool.hardness, "
+                        "or tool.kind: blade, roller"),
+            std::string::npos)
+      << said();
+  EXPECT_EQ(run("scenarios/bowl-engrave.yaml --set tool.kind=pen", "plan"), 0) << said();
+  std::ofstream(folder_ / "mixed.yaml") << "name: mixed\ntool: {kind: pad, stand_off: 0.05}\n";
+  EXPECT_EQ(run((folder_ / "mixed.yaml").string(), "plan"), 2);
+  EXPECT_NE(said().find("mixed.yaml:2: tool.stand_off"), std::string::npos) << said();
+}
+
+// Lines that an earlier run left, which was ended before it drew, do not bar the folder.
+TEST_F(Cover, StartsWhereOnlyLinesWereLaid) {
+  fs::create_directories(folder_ / "run");
+  std::ofstream(folder_ / "run/cover.csv") << "x,y,force,stroke\n";
+  EXPECT_EQ(run(window("1")), 0) << said();
 }
 
 // A pad that touches about its middle alone, on a ball as large as its foam gives.
