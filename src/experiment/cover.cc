@@ -133,12 +133,12 @@ void require_centres(const CoverPlan& plan, const Scenario& s, const SettingErro
 // Throws InputError where the footprint fits, but in too little room for a line.
 void require_lines(const CoverPlan& plan, const Scenario& s, const SettingErrors& errors) {
   if (!plan.lines.passes.empty()) return;
-  errors.raise({"tool.radius", "cover.region"},
-               fmt::format("tool.radius: a {0} of {1:.1f} mm, kept {2:.1f} mm off the edges, has no "
-                           "room to move along a line {3}; valid is a smaller {0}",
-                           name_of(s.tool), 2e3 * plan.wish.footprint.radius,
-                           1e3 * plan.wish.margin,
-                           s.cover.region.empty() ? "on the canvas" : "in cover.region"));
+  errors.raise(
+      {"tool.radius", "cover.region"},
+      fmt::format("tool.radius: a {0} of {1:.1f} mm, kept {2:.1f} mm off the edges, has no "
+                  "room to move along a line {3}; valid is a smaller {0}",
+                  name_of(s.tool), 2e3 * plan.wish.footprint.radius, 1e3 * plan.wish.margin,
+                  s.cover.region.empty() ? "on the canvas" : "in cover.region"));
 }
 
 // `refused`: lines were left out.

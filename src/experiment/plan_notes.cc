@@ -74,6 +74,27 @@ std::optional<std::string> friction_note(const Scenario& s, ArmModel arm, const 
       dry_friction.maxCoeff(), at_tip, s.control.normal_force);
 }
 
+std::vector<std::string> engraver_notes(const Scenario& s) {
+  // The deepest that was held: a pass with exact sensing, and a whole groove, whatever the passes,
+  // with realistic sensing and model errors [m].
+  constexpr double kDeepestPass = 1.7e-3, kDeepest = 0.9e-3;
+  std::vector<std::string> notes;
+  if (s.tool.kind != ToolKind::engraver) return notes;
+  const bool real = s.control.source == WrenchSource::realistic;
+  const double asked = real ? s.tool.depth : s.tool.depth / s.tool.passes,
+               most = real ? kDeepest : kDeepestPass;
+  if (asked > most)
+    notes.push_back(fmt::format(
+        "tool.depth: {:.3g} mm {}; of those that were tried, the ones deeper than {:.1f} mm ended "
+        "with a joint that swung",
+        1e3 * asked, real ? "in all" : "a pass", 1e3 * most));
+  if (s.perception.frames.enabled)
+    notes.emplace_back(
+        "tool.kind is engraver, and the canvas may move: a groove is as deep as the canvas is "
+        "foreseen, 0.04 mm RMS off where it heaved, 0.1 where it swayed, 0.2 in a hand");
+  return notes;
+}
+
 void note_spread_forces(const PathSettings& path, Plan* plan) {
   constexpr double kLess = 0.2;  // [N]
   double length = 0.0;

@@ -48,6 +48,9 @@ std::optional<std::string> roughness_note(const std::vector<PlacedStroke>& strok
 double wrap_doubt(const Plan& plan, const Belief& belief);
 void note_wrap(double doubt, std::vector<std::string>* notes);
 
+// Notes where an engraver is asked for a groove deeper than was held, or on a canvas that may move.
+std::vector<std::string> engraver_notes(const Scenario& scenario);
+
 // A note where dry friction of the joints [Nm] is more than a fifth of the normal force at the tip,
 // and no wrench shows it; nullopt else. q: a posture on the drawing, n_W the normal there.
 // Each joint takes its part of the force away, or adds it, as it turns. On the standard bowl at 5 N

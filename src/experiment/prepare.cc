@@ -106,6 +106,7 @@ PreparedPlan prepare_plan(const Scenario& given, const Places& places, Unreachab
     if (auto note = friction_note(scenario, scene.belief.arm, plan.rest_q, X_WP.R.col(2),
                                   scene.truth.world->dry_friction()))
       plan.notes.push_back(*std::move(note));
+    for (std::string& note : engraver_notes(scenario)) plan.notes.push_back(std::move(note));
     return {{std::move(scenario), std::move(artwork), std::move(scene.belief), std::move(plan),
              std::move(projected)},
             std::move(scene.truth)};

@@ -199,13 +199,13 @@ void require_own_settings(const ToolSettings& tool, const Places& places) {
         if (std::ranges::count(kind.settings, setting) > 0)
           owners += (owners.empty() ? "" : ", ") + std::string(kind.name);
       SettingErrors(places).raise(
-          {name}, fmt::format("{} is given, and tool.kind is {}, which has none; valid is {}{}",
-                              name, own.name,
-                              own.settings.empty()
-                                  ? ""
-                                  : fmt::format("one of tool.{}, or ",
-                                                fmt::join(own.settings, ", tool.")),
-                              "tool.kind: " + owners));
+          {name},
+          fmt::format("{} is given, and tool.kind is {}, which has none; valid is {}{}", name,
+                      own.name,
+                      own.settings.empty()
+                          ? ""
+                          : fmt::format("one of tool.{}, or ", fmt::join(own.settings, ", tool.")),
+                      "tool.kind: " + owners));
     }
 }
 

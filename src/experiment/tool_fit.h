@@ -15,8 +15,9 @@ namespace impedraw {
 void require_fit(const Scenario& scenario, const Plan& plan, const SurfaceHeight& surface,
                  const SettingErrors& setting_errors);
 
-// Throws InputError where a setting of another kind of tool was given: by --set, or in the file that
-// gives tool.kind. What a scenario has for its own tool may stay when another is taken instead.
+// Throws InputError where a setting of another kind of tool was given: by --set, or in the file
+// that gives tool.kind. What a scenario has for its own tool may stay when another is taken
+// instead.
 void require_own_settings(const ToolSettings& tool, const Places& places);
 
 // Throws InputError where the force presses a pad's foam nearly flat.

@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kMostBytes = 200'000'000;
 
-// The axis that a column's name ends in, as in qw, p_x or "y [m]"; nothing where it is another word.
+// The axis that a column's name ends in, as in qw, p_x or "y [m]"; blank where it is another word.
 char axis_of(std::string_view name) {
   name = trimmed(name.substr(0, name.find_first_of("[(")));
   const char last = name.empty() ? ' ' : static_cast<char>(std::tolower(name.back()));

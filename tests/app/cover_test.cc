@@ -196,6 +196,17 @@ TEST_F(Cover, AnEngraverHoldsItsDepth) {
   EXPECT_NE(said().find("tool.kind: an engraver holds its depth"), std::string::npos) << said();
 }
 
+// What was tried and did not go well is said before anything moves, and nothing of what did.
+TEST_F(Cover, SaysWhatAnEngraverIsNotSureToHold) {
+  const std::string real = "scenarios/bowl-engrave-real.yaml --set tool.depth=";
+  ASSERT_EQ(run(real + "0.001", "plan"), 0) << said();
+  EXPECT_NE(said().find("the ones deeper than 0.9 mm ended"), std::string::npos) << said();
+  ASSERT_EQ(run(real + "0.0008", "plan"), 0) << said();
+  EXPECT_EQ(said().find("tool.depth"), std::string::npos) << said();
+  ASSERT_EQ(run("scenarios/moving-heave.yaml --set tool.kind=engraver", "plan"), 0) << said();
+  EXPECT_NE(said().find("the canvas may move"), std::string::npos) << said();
+}
+
 // Of both parts of the run, and as `report` computes them again.
 TEST_F(Cover, GoesOnAfterAnInterrupt) {
   const std::string begin = std::string(IMPEDRAW) + " cover --out " + folder_.string() + "/run > " +

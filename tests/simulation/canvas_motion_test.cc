@@ -245,9 +245,10 @@ TEST(RecordedMotion, RefusesGapsAndJumpsByTheirLine) {
   EXPECT_EQ(refused(row + "0.1,0,0,0,0.5,0,0,0\n"),
             "r.csv: line 2: the quaternion's norm is 0.5; valid is 1");
   const std::string next = row + "0.1,0,0,0,1,0,0,0\n";
-  EXPECT_EQ(refused("# tracker\nt,x,y,z,qx,qy,qz,qw\n" + next),
-            "r.csv: line 2: names the columns t, x, y, z, qx, qy, qz, qw; valid are t, x, y, z, qw, "
-            "qx, qy, qz in this order");
+  EXPECT_EQ(
+      refused("# tracker\nt,x,y,z,qx,qy,qz,qw\n" + next),
+      "r.csv: line 2: names the columns t, x, y, z, qx, qy, qz, qw; valid are t, x, y, z, qw, "
+      "qx, qy, qz in this order");
   for (const char* header : {"time [s],x [m],y [m],z [m],q_w,q_x,q_y,q_z\n", "t,a,b,c,d,e,f,g\n"})
     EXPECT_EQ(refused(header + next), "") << header;
   EXPECT_EQ(refused(row), "r.csv: has fewer than two rows");
