@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "impedraw/arm/inverse_kinematics.h"
 #include "impedraw/drawing/polyline.h"
@@ -184,29 +185,35 @@ void require_own_settings(const ToolSettings& tool, const Places& places) {
       {roller, "roller", {"radius", "foam_stiffness", "hardness", "yaw", "trail", "swivel"}},
       {nozzle, "nozzle", {"radius", "stand_off"}}};
   const Kind& own = *std::ranges::find(kKinds, tool.kind, &Kind::kind);
+  const auto has = [](const Kind& kind, const std::string& setting) {
+    return std::ranges::count(kind.settings, setting) > 0;
+  };
   const auto file_of = [&](const std::string& setting) {
-    const std::string place = places.of(setting);
+    const std::string place = places.of("tool." + setting);
     return place.starts_with("--") ? "--set" : place.substr(0, place.rfind(':'));
   };
+  std::vector<std::string> foreign, beside;
+  std::string wrong;
   for (const Kind& other : kKinds)
     for (const std::string& setting : other.settings) {
-      const std::string name = "tool." + setting, file = file_of(name);
-      if (std::ranges::count(own.settings, setting) > 0 ||
-          (file != "--set" && file != file_of("tool.kind")))
-        continue;
-      std::string owners;
-      for (const Kind& kind : kKinds)
-        if (std::ranges::count(kind.settings, setting) > 0)
-          owners += (owners.empty() ? "" : ", ") + std::string(kind.name);
-      SettingErrors(places).raise(
-          {name},
-          fmt::format("{} is given, and tool.kind is {}, which has none; valid is {}{}", name,
-                      own.name,
-                      own.settings.empty()
-                          ? ""
-                          : fmt::format("one of tool.{}, or ", fmt::join(own.settings, ", tool.")),
-                      "tool.kind: " + owners));
+      if (has(own, setting) || std::ranges::count(foreign, setting) > 0) continue;
+      foreign.push_back(setting);
+      if (file_of(setting) == file_of("kind")) beside.push_back(setting);
+      if (wrong.empty() && file_of(setting) == "--set") wrong = setting;
     }
+  // A file that gives all of them was written by a run.
+  if (wrong.empty() && !beside.empty() && beside.size() < foreign.size()) wrong = beside.front();
+  if (wrong.empty()) return;
+  std::vector<std::string> owners;
+  for (const Kind& kind : kKinds)
+    if (has(kind, wrong)) owners.emplace_back(kind.name);
+  const std::string instead =
+      own.settings.empty() ? ""
+                           : fmt::format("one of tool.{}, or ", fmt::join(own.settings, ", tool."));
+  SettingErrors(places).raise(
+      {"tool." + wrong},
+      fmt::format("tool.{} is given, and tool.kind is {}, which has none; valid is {}tool.kind: {}",
+                  wrong, own.name, instead, fmt::join(owners, ", ")));
 }
 
 void require_foam(const Scenario& s, const SettingErrors& errors) {

@@ -281,6 +281,13 @@ TEST_F(Cover, NamesSettingsOfAnotherTool) {
   std::ofstream(folder_ / "mixed.yaml") << "name: mixed\ntool: {kind: pad, stand_off: 0.05}\n";
   EXPECT_EQ(run((folder_ / "mixed.yaml").string(), "plan"), 2);
   EXPECT_NE(said().find("mixed.yaml:2: tool.stand_off"), std::string::npos) << said();
+  // A run writes the settings of every tool into its folder; they draw it again.
+  fs::remove_all(folder_ / "run");
+  const std::string again = (folder_ / "run/scenario.yaml").string();
+  ASSERT_EQ(run("scenarios/cover-dome.yaml --set tool.kind=pen --set drawing.shape=circle", "draw"),
+            0)
+      << said();
+  EXPECT_EQ(run(again + " --overwrite", "draw"), 0) << said();
 }
 
 // Lines that an earlier run left, which was ended before it drew, do not bar the folder.
