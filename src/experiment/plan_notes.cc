@@ -90,8 +90,8 @@ std::vector<std::string> engraver_notes(const Scenario& s) {
         1e3 * asked, real ? "in all" : "a pass", 1e3 * most));
   if (s.perception.frames.enabled)
     notes.emplace_back(
-        "tool.kind is engraver, and the canvas may move: a groove is as deep as the canvas is "
-        "foreseen, 0.04 mm RMS off where it heaved, 0.1 where it swayed, 0.2 in a hand");
+        "tool.kind is engraver, and the canvas may move: the groove's depth is off by what the "
+        "canvas's forecast is");
   return notes;
 }
 
