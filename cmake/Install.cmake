@@ -60,7 +60,8 @@ endif()
 list(TRANSFORM header_folders PREPEND src/)
 install(DIRECTORY ${header_folders} DESTINATION ${include_dir} COMPONENT library FILES_MATCHING PATTERN "*.h"
   PATTERN preflight EXCLUDE PATTERN wrap EXCLUDE  # they need a canvas and an arm, or Python
-  PATTERN urdf_model.h EXCLUDE                    # Pinocchio's types, for the folder's own sources
+  PATTERN kinematic_tree.h EXCLUDE                # Pinocchio's types, for the folder's own sources
+  PATTERN urdf_model.h EXCLUDE                    # the same
   PATTERN urdf_inertia.h EXCLUDE                  # TinyXML-2's
   PATTERN urdf_tree.h EXCLUDE                     # TinyXML-2's
   PATTERN child_process.h EXCLUDE
