@@ -123,6 +123,7 @@ int judge_force(DrawOptions options, const JudgeForceOptions& judged) {
   results.again = command_of(options, judged);
   if (options.out.empty()) options.out = "runs/judge-force";
   make_folder(options.out);
+  const FolderLock lock(options.out);
   Places places;
   const Scenario scenario = scenario_of(options, judged, &places);
   Prepared experiment = prepare(scenario, places);

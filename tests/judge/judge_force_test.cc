@@ -1,5 +1,7 @@
 // ./impedraw judge-force as its user meets it.
+#include <chrono>
 #include <csignal>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -51,6 +53,19 @@ TEST_F(JudgeForce, LeavesEveryMetricOfEveryRun) {
   EXPECT_NE(page.find("<th>steady_error<br>[N]</th>"), std::string::npos);  // fits 1200 pixels
   EXPECT_THAT(page, AllOf(HasSubstr("<h1>Force benchmark, simulated</h1>"), HasSubstr("<svg"),
                           HasSubstr("written here"), HasSubstr("is behind")));
+}
+
+TEST_F(JudgeForce, TwoIntoOneFolderAreRefused) {
+  std::filesystem::create_directory(folder_ / "out");
+  const Words words{"judge-force", "--out", "out"};
+  Process first(folder_, words);
+  while (!std::filesystem::exists(folder_ / "out/run.lock"))
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const Ended second = call({"--cases", "contact-10", "--runs", "1", "--out", "out"});
+  EXPECT_EQ(second.code, 2) << second.err;
+  EXPECT_THAT(second.err, HasSubstr("out"));
+  first.signal(SIGINT);
+  EXPECT_NE(first.wait().code, 0);
 }
 
 TEST_F(JudgeForce, NamesWhatIsWrong) {
