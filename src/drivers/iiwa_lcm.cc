@@ -226,7 +226,7 @@ void IiwaLcm::command(const JointVector& tau, const JointVector& gravity) noexce
     receive(wall_seconds());
     first_utime_ = session_->last().utime;
     if (!fault_.empty()) return;
-    read_at_ = wall_seconds();
+    read_at_ = wall_seconds();  // what came before is no control step
   }
   wanted_ = tau - gravity;
   send(wanted_, false);

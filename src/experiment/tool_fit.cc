@@ -192,18 +192,23 @@ void require_own_settings(const ToolSettings& tool, const Places& places) {
     const std::string place = places.of("tool." + setting);
     return place.starts_with("--") ? "--set" : place.substr(0, place.rfind(':'));
   };
-  std::vector<std::string> foreign, beside;
-  std::string wrong;
+  std::vector<std::string> foreign;
   for (const Kind& other : kKinds)
-    for (const std::string& setting : other.settings) {
-      if (has(own, setting) || std::ranges::count(foreign, setting) > 0) continue;
-      foreign.push_back(setting);
-      if (file_of(setting) == file_of("kind")) beside.push_back(setting);
-      if (wrong.empty() && file_of(setting) == "--set") wrong = setting;
-    }
+    for (const std::string& setting : other.settings)
+      if (!has(own, setting) && std::ranges::count(foreign, setting) == 0)
+        foreign.push_back(setting);
+  const auto given_in = [&](const std::string& file) {
+    std::vector<std::string> given;
+    for (const std::string& setting : foreign)
+      if (file_of(setting) == file) given.push_back(setting);
+    return given;
+  };
+  std::vector<std::string> given = given_in("--set");
+  if (given.empty()) given = given_in(file_of("kind"));
   // A file that gives all of them was written by a run.
-  if (wrong.empty() && !beside.empty() && beside.size() < foreign.size()) wrong = beside.front();
-  if (wrong.empty()) return;
+  if (given.empty() || (file_of(given.front()) != "--set" && given.size() == foreign.size()))
+    return;
+  const std::string& wrong = given.front();
   std::vector<std::string> owners;
   for (const Kind& kind : kKinds)
     if (has(kind, wrong)) owners.emplace_back(kind.name);

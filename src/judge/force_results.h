@@ -34,13 +34,13 @@ struct JudgedCase {
 };
 
 struct ForceResults {
-  std::string arm;     // the arm's name
-  std::string driver;  // who moves it: sim, iiwa-lcm, franka
-  bool simulated = true;
-  std::string again;   // the command that makes them
-  int runs = 5;        // of each case, as asked for
-  double seconds = 0;  // wall time
-  std::string ended;   // why not all was run; empty: it was
+  std::string arm;        // the arm's name
+  std::string driver;     // who moves it: sim, iiwa-lcm, franka
+  bool simulated = true;  // an arm on a wall clock is not
+  std::string again;      // the command that makes them
+  int runs = 5;           // of each case, as asked for
+  double seconds = 0;     // wall time
+  std::string ended;      // why not all was run; empty: it was
   std::vector<JudgedCase> cases;
   std::vector<std::string> left_out;  // cases that this arm's workpiece does not allow
 };

@@ -2,6 +2,7 @@
 // where it is meanwhile.
 #include <atomic>
 #include <chrono>
+#include <string>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -9,65 +10,49 @@
 
 #include "impedraw/judge/force_results.h"
 #include "impedraw/judge/force_trial.h"
-#include "impedraw/run/simulated_arm.h"
 #include "run/prepared.h"
+#include "run/test_driver.h"
 
 namespace impedraw {
 namespace {
 
-// The simulated arm, which tells that it does not wait. A second call in a row of read() or of
-// command() is a fault, and so is whatever a test asks for.
-class WallArm : public Driver {
+// The simulated arm, which tells that it does not wait.
+class WallArm : public TestDriver {
  public:
   // What the test's thread looks at while another one drives the arm.
   struct Seen {
     std::atomic<long> answers = 0;
     std::atomic<double> fastest = 0.0;  // [rad/s]
-    std::atomic<bool> stopped = false;
+    std::string order;                  // of the calls, once it was stopped
   };
 
-  WallArm(Prepared& e, Seen* seen, long fails_at)
-      : inner_(e, e.belief.start_q, Disturbances()), seen_(*seen), fails_at_(fails_at) {}
+  WallArm(Prepared& e, Seen* seen) : TestDriver(e), seen_(*seen) { changed_info().waits = false; }
 
-  DriverInfo info() const override {
-    DriverInfo info = inner_.info();
-    info.waits = false;
-    return info;
-  }
-  void start() override { inner_.start(); }
   const ArmState& read() noexcept override {
-    if (reading_) fault_ = "read twice";
-    reading_ = true;
-    if (fails_at_ > 0 && seen_.answers >= fails_at_) fault_ = "the cable was pulled";
-    const ArmState& state = inner_.read();
-    seen_.fastest = std::max<double>(seen_.fastest, inner_.truth()->v.norm());
+    const ArmState& state = TestDriver::read();
+    seen_.fastest = std::max<double>(seen_.fastest, truth()->v.norm());
     return state;
   }
   void command(const JointVector& tau, const JointVector& gravity) noexcept override {
-    if (!reading_) fault_ = "answered twice";
-    reading_ = false;
+    TestDriver::command(tau, gravity);
     ++seen_.answers;
-    inner_.command(tau, gravity);
   }
-  const std::string& fault() const noexcept override {
-    return fault_.empty() ? inner_.fault() : fault_;
+  void stop() noexcept override {
+    TestDriver::stop();
+    seen_.order = order;
   }
-  void stop() noexcept override { seen_.stopped = true; }
-  const GroundTruth* truth() const noexcept override { return inner_.truth(); }
 
  private:
-  SimulatedArm inner_;
   Seen& seen_;
-  long fails_at_;  // answers; 0: never
-  bool reading_ = false;
-  std::string fault_;
 };
 
 class ForceBenchOnTheWall : public ::testing::Test {
  protected:
   DriverMaker maker() {
     return [this](const JointVector&, const Resumption*) {
-      return std::make_unique<WallArm>(e_, &seen_, fails_at_);
+      auto arm = std::make_unique<WallArm>(e_, &seen_);
+      arm->fault_time = fault_time_;
+      return arm;
     };
   }
   // Until the arm was answered so many times more.
@@ -82,7 +67,7 @@ class ForceBenchOnTheWall : public ::testing::Test {
       "force-benchmark",
       {"control.wrench=ground_truth", "arm.start=[0.6, 0, 0.13]", "perception.enabled=false"});
   WallArm::Seen seen_;
-  long fails_at_ = 0;
+  double fault_time_ = -1.0;
   std::unique_ptr<ForceBench> bench_;
   const std::function<bool()> go_on_ = [] { return true; };
 };
@@ -102,11 +87,11 @@ TEST_F(ForceBenchOnTheWall, HoldsTheArmBetweenTwoRuns) {
     EXPECT_EQ(bench_->fault(), "");
   }
   bench_.reset();
-  EXPECT_TRUE(seen_.stopped);
+  EXPECT_EQ(seen_.order, "start stop ");  // read() and command() in turns
 }
 
 TEST_F(ForceBenchOnTheWall, TellsAFaultBetweenTwoRuns) {
-  fails_at_ = 500;
+  fault_time_ = 0.5;
   bench_ = std::make_unique<ForceBench>(e_, maker(), false);
   wait_for(1000);
   EXPECT_EQ(bench_->fault(), "the cable was pulled");

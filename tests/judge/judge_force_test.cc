@@ -59,7 +59,7 @@ TEST_F(JudgeForce, TwoIntoOneFolderAreRefused) {
   std::filesystem::create_directory(folder_ / "out");
   const Words words{"judge-force", "--out", "out"};
   Process first(folder_, words);
-  while (!std::filesystem::exists(folder_ / "out/run.lock"))
+  while (first.running() && !std::filesystem::exists(folder_ / "out/run.lock"))
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   const Ended second = call({"--cases", "contact-10", "--runs", "1", "--out", "out"});
   EXPECT_EQ(second.code, 2) << second.err;
