@@ -8,8 +8,8 @@ namespace impedraw {
 
 namespace {
 
-constexpr double kCrawlStep = 5e-3;  // between samples of the path [s]
-constexpr double kShortest = 2e-3;   // shorter strokes are not judged [m]
+constexpr double kSampled = 5e-3;   // between samples of the path [s]
+constexpr double kShortest = 2e-3;  // shorter strokes are not judged [m]
 
 // One stroke of a path, sample by sample.
 struct Trace {
@@ -20,7 +20,7 @@ Trace trace(const TipPath& path, const StrokeTimes& stroke) {
   Trace trace;
   double length = 0.0, along = 0.0;
   const int steps =
-      std::max(1, static_cast<int>(std::ceil((stroke.end - stroke.start) / kCrawlStep)));
+      std::max(1, static_cast<int>(std::ceil((stroke.end - stroke.start) / kSampled)));
   for (int k = 0; k <= steps; ++k) {
     const double t = stroke.start + (stroke.end - stroke.start) * k / steps;
     const PathSample sample = path.at(t);
@@ -109,9 +109,15 @@ std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPa
       else
         merged.push_back(w);
     });
-    for (Window w : merged) {
+    for (const Window& whole : merged) {
+      Window w = whole;
       while (w.begin + 1 < w.end && !is_slow_at(slow, w.begin, least_speed)) ++w.begin;
       while (w.begin + 1 < w.end && !is_slow_at(slow, w.end, least_speed)) --w.end;
+      while (slow.along[w.end] - slow.along[w.begin] < kCrawlStep &&
+             (w.begin > whole.begin || w.end < whole.end)) {
+        if (w.begin > whole.begin) --w.begin;
+        if (w.end < whole.end) ++w.end;
+      }
       CrawlingStretch c;
       c.stroke = s;
       c.from = slow.along[w.begin];

@@ -4,7 +4,8 @@
 // with its full stop counts for little. A window crawls if it is slower than `least_speed` and
 // takes more than `slowed` times as long as on the `unhindered` path: what a line's own corners
 // take is not held against it. Windows that touch are one stretch; its ends are trimmed to where
-// the pen is slower than `least_speed` over kCrawlStep.
+// the pen is slower than `least_speed` over kCrawlStep. A stretch is as long as that, or its whole
+// window, also where the pen all but stands: a stroke without it is shorter.
 #pragma once
 
 #include <cstddef>

@@ -52,6 +52,19 @@ TEST(Crawl, AStretchIsFoundWhereItIsAndItsNeighboursAreNot) {
   EXPECT_NEAR(found[0].p_W.x(), 0.5 + found[0].slowest, 1e-3);
 }
 
+// Slow at both ends, faster between: 8.2 mm that are slow as a whole, of which no 5 mm are. A
+// stretch without a length would leave nothing out, and be found for ever.
+TEST(Crawl, AStretchHasALength) {
+  const auto slow = [](const PathSpline& spline, std::vector<SpeedSpan>* spans) {
+    slow_between(0.5, 0.6, 17.5e-3)(spline, spans);
+    slow_between(0.5, 0.5007, 7e-3)(spline, spans);
+    slow_between(0.50755, 0.50825, 7e-3)(spline, spans);
+  };
+  const auto found = crawling({surfaces::line({{0.5, 0}, {0.50825, 0}})}, slow);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_GE(found[0].to - found[0].from, kCrawlStep);
+}
+
 // 2 mm at 12 mm/s: within a window of 10 mm they cost 0.1 s.
 TEST(Crawl, AShortSlowPlaceIsNone) {
   EXPECT_TRUE(
