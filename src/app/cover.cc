@@ -45,6 +45,7 @@ class Judge {
         force_(e.scenario.control.normal_force),
         jet_(e.scenario.tool.kind == ToolKind::nozzle),
         by_tone_(e.scenario.cover.dose == CoverDose::by_tone),
+        rigid_(e.scenario.tool.joints == 0),
         model_(e.belief.arm),
         truth_(truth.grid, *covering(e.scenario), e.scenario.control.normal_force,
                e.scenario.path.draw_speed),
@@ -67,11 +68,12 @@ class Judge {
             row.stroke >= 0, share);
     // The arm knows its own joints and its own wrench.
     if (!row.surface_normal.allFinite()) return;
-    const Pose own =
-        X_PW_ * row.estimated_canvas_pose.inverse() * model_.tip_pose(row.measured_position);
+    const Pose X_WE_own = model_.tip_pose(row.measured_position);
+    const Pose own = X_PW_ * row.estimated_canvas_pose.inverse() * X_WE_own;
     if (jet_) return arm_.press(own, force_, own.R.col(0), row.time, dt);
-    press(&arm_, own, &own_, row.surface_normal.dot(row.wrench_measured.head<3>()), row.time, dt,
-          true, share);
+    // The pressure on a rigid disc acts along its axis.
+    const Eigen::Vector3d along = rigid_ ? -X_WE_own.R.col(2) : row.surface_normal;
+    press(&arm_, own, &own_, along.dot(row.wrench_measured.head<3>()), row.time, dt, true, share);
   }
 
   const TreatmentMap& truth() const { return truth_; }
@@ -92,7 +94,7 @@ class Judge {
 
   Pose X_PW_;
   double force_;  // asked for; of a jet, which coats evenly in time: any [N]
-  bool jet_, by_tone_;
+  bool jet_, by_tone_, rigid_;
   ArmModel model_;
   TreatmentMap truth_, arm_;
   double time_ = -1.0;
@@ -268,6 +270,9 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
     line->update("covering the surface", 0.1 + 0.2 * share);
   });
   const TrueCover truth = true_cover(scenario, scene, X_WP, plan);
+  if (scenario.tool.kind == ToolKind::pad)
+    scene.belief.surface =
+        with_normals_of(plan.centres.feet, plan.grid, std::move(scene.belief.surface));
   scenes.give_back(std::move(scene));
   make_folder(folder);
   const fs::path strokes = fs::absolute(folder / kCoverLines),

@@ -38,6 +38,7 @@ constexpr double kJointMargin = 0.08;
 // The distance of the centres from places that the arm does not reach [m].
 constexpr double kOffReach = 1e-3;
 constexpr double kReachStep = 8e-3;  // between places for which the arm is asked [m]
+constexpr double kUnsure = 0.5e-3;   // of a place's height, along its normal [m]
 constexpr double kNothing = 0.02;    // a tone as light as that asks for nothing
 
 // A foam that is pressed deeper than its thickness is a jet (jet_of()), which no foam's end limits.
@@ -65,6 +66,17 @@ void know_between_points(const PointCloud& cloud, double voxel, const Pose& X_PW
   const std::vector<double> off = distance_to_edge(*g, near);
   for (std::size_t v = 0; v < g->size(); ++v)
     g->known[v] = g->known[v] && off[v] >= kInside * voxel;
+}
+
+// The doubt of each place: the cloud's noise, or twice what the estimate misses of its points.
+void doubt_heights(const Belief& belief, const Pose& X_WP, SurfaceGrid* g) {
+  const auto error = height_error(belief);
+  g->unsure.assign(g->size(), kUnsure);
+  in_parallel(g->ny, [&](int j) {
+    for (int i = 0; i < g->nx; ++i)
+      if (const std::size_t v = g->index(i, j); g->known[v])
+        g->unsure[v] = std::max(kUnsure, error(X_WP * g->point(v)));
+  });
 }
 
 // A place whose tone is less than what the least force leaves gets that.
@@ -326,6 +338,7 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
   plan.grid = sample_surface(perceived_height(belief.perception, X_WP), box, step,
                              s.preflight.max_slope_deg, progress);
   know_between_points(belief.perception->cloud(), s.perception.voxel, X_WP.inverse(), &plan.grid);
+  doubt_heights(belief, X_WP, &plan.grid);
   plan.wish.footprint = footprint_of(*pad);
   plan.wish.spacing = 2.0 * pad->radius * (1.0 - s.cover.overlap);
   plan.wish.direction_deg = s.cover.direction_deg;

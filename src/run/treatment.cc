@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "impedraw/planning/cover/cover_lines.h"
+
 namespace impedraw {
 
 TreatmentMap::TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double force, double speed,
@@ -13,6 +15,7 @@ TreatmentMap::TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double forc
     : grid_(std::move(grid)),
       pad_(pad),
       band_(kBand - doubt),
+      doubts_(doubt > 0.0),
       asked_(force / pad.area()),
       speed_(speed),
       crossing_(2.0 * pad.radius / speed),
@@ -54,7 +57,11 @@ void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& 
   }
   for (const auto& [v, q] : under_) {
     dose_[v] += pad_.stiffness * depth(q) * speed * dt;
-    if (good) good_[v] += dt;
+    if (good && (!doubts_ || wherever_it_lies(grid_, v, [&](const Eigen::Vector3d& p) {
+          const Eigen::Vector3d at = X_EP * p;
+          return at.head<2>().norm() <= pad_.radius && depth(at) > 0.0;
+        })))
+      good_[v] += dt;
     if (time - last_[v] > kApart) ++visits_[v];
     last_[v] = time;
   }

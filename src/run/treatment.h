@@ -27,7 +27,8 @@ class TreatmentMap {
   static constexpr double kShare = 0.1, kMean = 0.02, kBand = 0.1;
 
   // force: asked for [N]; speed: of the passes [m/s]; doubt: in the force, a share of it, by which
-  // the band is narrower.
+  // the band is narrower. With a doubt a place is treated only if it is so wherever it lies
+  // (cover_lines.h).
   TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double force, double speed,
                double doubt = 0.0);
 
@@ -52,8 +53,10 @@ class TreatmentMap {
 
   SurfaceGrid grid_;
   PadSettings pad_;
-  double band_, asked_, speed_, crossing_;  // 1, [Pa], [m/s], [s]
-  double mean_ = 0.0;                       // of the pad's pressure over kMean [Pa]
+  double band_;  // 1
+  bool doubts_;
+  double asked_, speed_, crossing_;  // [Pa], [m/s], [s]
+  double mean_ = 0.0;                // of the pad's pressure over kMean [Pa]
   double last_time_ = -1.0;
   double sum_ = 0.0, sum2_ = 0.0, slid_ = 0.0;
   std::vector<double> dose_, good_, last_;

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "impedraw/experiment/scenario.h"
+#include "impedraw/planning/cover/cover_lines.h"
+#include "impedraw/planning/cover/even_forces.h"
 
 namespace impedraw {
 namespace {
@@ -32,6 +34,72 @@ TreatmentMap after_a_line(double height, double tilt_deg = 0.0, double sinks = 0
     map.press({{-0.05 + kSpeed * t, 0.0, 0.0}, down.toRotationMatrix()}, kForce,
               {kSpeed, 0.0, sinks}, t, kDt);
   return map;
+}
+
+// A flank of 45° that bends, under a pad that goes along it: the plane under its face lies 1.4 mm
+// below the line, and its axis passes the line by as much across.
+struct Flank {
+  static constexpr double kAtEnds = 0.02;  // [m]
+  SurfaceGrid g;
+  PadSettings pad;
+  PressedFeet feet;
+  PlaneLines line{{{-0.03, 0.0}, {0.03, 0.0}}};
+
+  Flank() {
+    const SurfaceHeight height = [](double x, double y) -> SurfaceHeight::Sample {
+      const double rise = 1.0 - 100.0 * y;
+      return SurfaceSample{{x, y, y - 50.0 * y * y}, Eigen::Vector3d(0, -rise, 1).normalized()};
+    };
+    g = sample_surface(height, {Eigen::Vector2d(-0.06, -0.03), Eigen::Vector2d(0.06, 0.03)}, 5e-4,
+                       80.0);
+    pad.rest = kForce / (pad.stiffness * pad.area());
+    feet = PressedFeet(g, {pad.radius, pad.rest, pad.thickness});
+  }
+  // The places that the pad has treated, of a grid that lies `off` its own along the normal.
+  TreatmentMap treat(double off, double doubt) const {
+    SurfaceGrid there = g;
+    for (std::size_t v = 0; v < g.size(); ++v) there.z[v] += off * g.area[v] / (g.step * g.step);
+    TreatmentMap map(there, pad, kForce, kSpeed, doubt);
+    for (double x = line[0][0].x(), t = 0.0; x < line[0][1].x(); x += kSpeed * kDt, t += kDt) {
+      const PressedFoot foot = feet.at(g, {x, 0.0});
+      const Eigen::Vector3d n = foot.normal(), p = g.lifted({x, 0.0});
+      const double o = foot.depth(p) - pad.rest;  // of the line over the plane, along the normal
+      const Eigen::Matrix3d R =
+          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -n).toRotationMatrix();
+      map.press({p - Eigen::Vector3d(0, 0, o / n.z()), R}, kForce, {kSpeed, 0, 0}, t, kDt);
+    }
+    return map;
+  }
+};
+
+TEST(TreatmentMap, HasTreatedWhatWasPromisedOnAFlank) {
+  const Flank flank;
+  const std::vector<char> promised = surely_pressed(flank.g, flank.line, flank.feet);
+  const TreatmentMap map = flank.treat(0.0, 0.0);
+  double area = 0.0;
+  for (std::size_t v = 0; v < flank.g.size(); ++v)
+    if (promised[v] && std::abs(flank.g.plane(v).x()) < Flank::kAtEnds) {
+      area += flank.g.area[v];
+      EXPECT_TRUE(map.treated(v)) << flank.g.plane(v).transpose();
+    }
+  EXPECT_GT(area, 0.9 * 2.0 * Flank::kAtEnds * 2.0 * flank.pad.radius);
+}
+
+// An arm that doubts its force doubts its heights, too, by as much as the grid says.
+TEST(TreatmentMap, KnowsAsTreatedOnlyWhatIsSoWhereverItLies) {
+  Flank flank;
+  flank.g.unsure.assign(flank.g.size(), 5e-4);
+  const TreatmentMap known = flank.treat(0.0, 0.03);
+  double area = 0.0;
+  for (const double off : {-4e-4, 4e-4}) {
+    const TreatmentMap map = flank.treat(off, 0.0);
+    for (std::size_t v = 0; v < flank.g.size(); ++v)
+      if (known.treated(v)) {
+        area += flank.g.area[v];
+        EXPECT_TRUE(map.treated(v)) << flank.g.plane(v).transpose();
+      }
+  }
+  EXPECT_GT(area, 0.0);
 }
 
 TEST(TreatmentMap, HasTheDoseOfADisc) {

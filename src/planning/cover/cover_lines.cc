@@ -325,6 +325,9 @@ void at_each_millimetre(const std::vector<Line>& lines,
     for (const Eigen::Vector2d& p : line.size() > 1 ? resampled(line, 1e-3) : line) visit(p);
 }
 
+// Over the radius: the ball about a footprint's centre that holds all of the places under it.
+constexpr double kWider = 1.3;
+
 }  // namespace
 
 std::vector<char> swept(const SurfaceGrid& g, const std::vector<Line>& lines, double radius) {
@@ -340,10 +343,13 @@ std::vector<char> surely_pressed(const SurfaceGrid& g, const std::vector<Line>& 
   std::vector<char> places(g.size(), 0);
   at_each_millimetre(lines, [&](const Eigen::Vector2d& p) {
     const PressedFoot pressed = feet.at(g, p);
-    const Eigen::Vector3d centre = g.lifted(p);
-    around(g, centre, feet.foot().radius - kAstray, [&](std::size_t v) {
-      const Eigen::Vector3d at = g.point(v);
-      if (!places[v]) places[v] = pressed.depth(at) > kLean * (at - centre).norm();
+    const double radius = feet.foot().radius;
+    around(g, g.lifted(p), kWider * radius, [&](std::size_t v) {
+      if (!places[v])
+        places[v] = wherever_it_lies(g, v, [&](const Eigen::Vector3d& at) {
+          const double off = pressed.off_axis(at);
+          return off <= radius - kAstray && pressed.depth(at) > kLean * off;
+        });
     });
   });
   return places;

@@ -61,6 +61,16 @@ std::vector<Eigen::Vector2d> rounded(const std::vector<Eigen::Vector2d>& line, d
 // By how much less than the footprint a promise reaches from its lines: the pad strays [m]. By how
 // much it leans, as a cloud's noise makes it: a place must lie deeper in the foam than that [rad].
 inline constexpr double kAstray = 0.25e-3, kLean = 0.035;
+// Beside a steep border, a place that lies off the surface as it was seen may lie out from under
+// the footprint's rim.
+// Asks for v's place as it is seen, and on either side of that; true if all answers are.
+template <class Ask>
+bool wherever_it_lies(const SurfaceGrid& grid, std::size_t v, Ask&& ask) {
+  const Eigen::Vector3d p = grid.point(v);
+  if (grid.unsure.empty()) return ask(p);
+  const Eigen::Vector3d off(0.0, 0.0, grid.unsure[v] * grid.area[v] / (grid.step * grid.step));
+  return ask(p) && ask(p - off) && ask(p + off);
+}
 
 // The vertices that a disc of this radius covers, centred on each place of the lines.
 std::vector<char> swept(const SurfaceGrid& grid,

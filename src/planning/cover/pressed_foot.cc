@@ -1,6 +1,8 @@
 #include "impedraw/planning/cover/pressed_foot.h"
 
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include <Eigen/Dense>
 
@@ -49,6 +51,17 @@ PressedFoot PressedFeet::at(const SurfaceGrid& g, const Eigen::Vector2d& p) cons
   pressed.set_plane({g.sample(offset_, p), g.sample(slope_x_, p), g.sample(slope_y_, p)});
   pressed.mean_ = g.sample(mean_, p);
   return pressed;
+}
+
+SurfaceHeight with_normals_of(const PressedFeet& feet, const SurfaceGrid& grid,
+                              SurfaceHeight surface) {
+  return [surface = std::move(surface), feet = std::make_shared<const PressedFeet>(feet),
+          grid = std::make_shared<const SurfaceGrid>(grid)](double x, double y,
+                                                            SurfaceHeight::Sample& last) {
+    SurfaceHeight::Sample sample = surface(x, y, last);
+    if (sample) sample->n_P = feet->at(*grid, {x, y}).normal();
+    return sample;
+  };
 }
 
 }  // namespace impedraw

@@ -29,6 +29,10 @@ class PressedFoot {
     const Eigen::Vector3d d = p - centre_;
     return compression_ + (d.z() - plane_.dot(Eigen::Vector3d(1.0, d.x(), d.y()))) * along_normal_;
   }
+  // From the disc's axis [m].
+  double off_axis(const Eigen::Vector3d& p) const {
+    return (p - centre_ - Eigen::Vector3d(0.0, 0.0, plane_.x())).cross(normal()).norm();
+  }
   double pressure(const Eigen::Vector3d& p) const { return std::max(0.0, depth(p)) / mean_; }
   Eigen::Vector3d normal() const {  // of the plane, upward
     return along_normal_ * Eigen::Vector3d(-plane_.y(), -plane_.z(), 1.0);
@@ -56,5 +60,10 @@ class PressedFeet {
   Footprint foot_;
   std::vector<double> offset_, slope_x_, slope_y_, mean_;
 };
+
+// The surface, with the normals of the planes under the footprint: a disc that lies so presses
+// evenly, where the surface's own normal in the disc's middle would have it lean.
+SurfaceHeight with_normals_of(const PressedFeet& feet, const SurfaceGrid& grid,
+                              SurfaceHeight surface);
 
 }  // namespace impedraw

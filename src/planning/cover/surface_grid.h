@@ -25,6 +25,7 @@ struct SurfaceGrid {
   std::vector<double> z;     // heights [m]; where there is no surface, continued smoothly
   std::vector<char> known;   // there is a surface, no steeper than allowed
   std::vector<double> area;  // of the surface about each vertex, by its normal; 0 without one [m²]
+  std::vector<double> unsure;  // by how much it may lie off, along its normal; empty: not [m]
 
   std::size_t size() const { return z.size(); }
   std::size_t index(int i, int j) const {

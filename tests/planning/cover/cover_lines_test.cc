@@ -203,6 +203,24 @@ TEST(PressedFoot, PressesMostInTheMiddleOfADome) {
         << d;
 }
 
+// z = c (x/r)³ is level in the middle; the plane under a disc of radius r rises there by c/2r.
+TEST(PressedFoot, GivesTheSurfaceTheNormalUnderAFace) {
+  constexpr double r = 0.015, c = 2e-3;
+  const SurfaceHeight cubic = [](double x, double y) -> SurfaceHeight::Sample {
+    if (std::abs(x) > kHalf || std::abs(y) > kHalf) return std::nullopt;
+    return SurfaceSample{{x, y, c * std::pow(x / r, 3)},
+                         Eigen::Vector3d(-3.0 * c * x * x / (r * r * r), 0.0, 1.0).normalized()};
+  };
+  const SurfaceGrid g = sample_surface(
+      cubic, {Eigen::Vector2d(-0.03, -0.03), Eigen::Vector2d(0.03, 0.03)}, 1e-3, 80.0);
+  const SurfaceHeight level = with_normals_of(PressedFeet(g, {r, 3.5e-3, 0.01}), g, cubic);
+  const auto sample = level(0.0, 0.0);
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->p_P, cubic(0.0, 0.0)->p_P);
+  EXPECT_NEAR(sample->n_P.x() / sample->n_P.z(), -0.5 * c / r, 3e-3);
+  EXPECT_FALSE(level(2.0 * kHalf, 0.0));
+}
+
 // Between the vertices feet agree with those that are fitted there.
 TEST(PressedFoot, IsBilinearBetweenVertices) {
   const SurfaceGrid g = grid_of(dome());
