@@ -36,8 +36,8 @@ TreatmentMap after_a_line(double height, double tilt_deg = 0.0, double sinks = 0
   return map;
 }
 
-// A flank of 45° that bends, under a pad that goes along it: the plane under its face lies 1.4 mm
-// below the line, and its axis passes the line by as much across.
+// A flank of 45° that bends, under a pad that goes along it: the plane under its face lies 0.7 mm
+// below the line, and its axis passes the line 0.5 mm across.
 struct Flank {
   static constexpr double kAtEnds = 0.02;  // [m]
   SurfaceGrid g;
@@ -47,8 +47,8 @@ struct Flank {
 
   Flank() {
     const SurfaceHeight height = [](double x, double y) -> SurfaceHeight::Sample {
-      const double rise = 1.0 - 100.0 * y;
-      return SurfaceSample{{x, y, y - 50.0 * y * y}, Eigen::Vector3d(0, -rise, 1).normalized()};
+      const double rise = 1.0 - 50.0 * y;
+      return SurfaceSample{{x, y, y - 25.0 * y * y}, Eigen::Vector3d(0, -rise, 1).normalized()};
     };
     g = sample_surface(height, {Eigen::Vector2d(-0.06, -0.03), Eigen::Vector2d(0.06, 0.03)}, 5e-4,
                        80.0);
