@@ -1,8 +1,10 @@
 // Places where a perceived surface does not let the pen pass: what BlockMonitor makes of each, on
 // the standard bowl.
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "impedraw/run/monitors/block_monitor.h"
 #include "made_up_cycle.h"
@@ -90,6 +92,24 @@ TEST_F(Blocked, ByWhatHoldsTheBallOfTheTip) {
   made_.F_ext.head<3>() = Vector3d(5.0, 0.0, 2.0);
   EXPECT_NEAR(cycles(&said), SideMonitor::kConfirm / MadeUpCycle::kDt, 1.5);
   EXPECT_TRUE(said.aside_W.isZero(0.0)) << "the foot of a wall";
+}
+
+// A cut pushes its cone aside by 1.4 times as much as along the normal. That is no wall, also where
+// the estimated normal is 15° off.
+TEST_F(Blocked, NotByTheForcesOfACut) {
+  Prepared engraving = prepared("bowl-engrave");
+  BlockMonitor monitor(engraving);
+  const auto stopped = [&](double off_deg) {
+    monitor.begin_path();
+    const double off = off_deg * std::numbers::pi / 180.0;
+    made_.F_ext.head<3>() = Eigen::AngleAxisd(-off, Vector3d::UnitY()) * Vector3d(-5.3, 0.0, 3.7);
+    for (int i = 0; i < 200; ++i)
+      if (monitor.judge(made_.next(), engraving.plan.path, 0.0, false, &place_)) return true;
+    return false;
+  };
+  EXPECT_FALSE(stopped(0.0));
+  EXPECT_FALSE(stopped(15.0));
+  EXPECT_TRUE(stopped(30.0));
 }
 
 TEST_F(Blocked, ByAGapInWhichTheTipSinks) {

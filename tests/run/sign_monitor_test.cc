@@ -19,11 +19,14 @@ struct Plant {
   double torque = 0.0, force = 0.0;  // amplitudes, of joint 2 and along z [Nm], [N]
   double frequency = 15.0;           // [Hz]
   bool one_sided = false;            // the force only pulls at the tip, or only pushes
+  Eigen::Index axis = 2;             // of the force
+  double friction = 0.0;             // believed coefficient at the tip
 
   // What the monitor says first.
   Verdict judged() const {
     constexpr double kMass = 4.0, kDt = 1e-3;
     ImpedanceSettings settings;
+    settings.friction.coefficient = friction;
     SignMonitor monitor(settings, JointVector::Constant(6, 100.0));
     OperationalSpace space(settings.operational_space);
     ArmTerms arm(6);
@@ -45,7 +48,7 @@ struct Plant {
       tau[1] += torque * wave;
       space.update(arm);
       said = monitor.update(arm, &space, F, tau);
-      F[2] = force * wave;  // over the step that follows
+      F[axis] = force * wave;  // over the step that follows
       arm.v += kDt / kMass * (moves * (tau - arm.g) + acts * F);
       arm.v[0] += 1e-6;  // rest teaches nothing
     }
@@ -78,6 +81,16 @@ TEST(SignMonitor, NamesASmallPullAgainstWhichTheArmMoves) {
               HasSubstr("whose sign is wrong, along the pen's z"));
   EXPECT_FALSE((Plant{.acts = -1.0, .force = -4.0, .one_sided = true}.judged())) << "a push";
   EXPECT_FALSE((Plant{.acts = -1.0, .force = 2.0, .one_sided = true}.judged())) << "below 2.5 N";
+}
+
+// Across its normal, a cut pushes harder than it does along it, and turns with the line.
+TEST(SignMonitor, LeavesACutItsForcesAcross) {
+  Plant plant{.acts = -1.0, .force = 10.0, .axis = 1};
+  EXPECT_THAT(plant.judged().cause, HasSubstr("whose sign is wrong, along the pen's y"));
+  plant.friction = 2.0;
+  EXPECT_FALSE(plant.judged());
+  plant.axis = 2;
+  EXPECT_THAT(plant.judged().cause, HasSubstr("whose sign is wrong, along the pen's z"));
 }
 
 TEST(SignMonitor, NamesAWrenchThatIsMadeUp) {

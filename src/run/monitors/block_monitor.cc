@@ -8,8 +8,10 @@
 namespace impedraw {
 namespace {
 constexpr double kAside = 1.0e-3;  // [m]
-// The force across the normal over what the law expects.
-constexpr double kSpread = 1.3;
+// A force across the normal that the law expects is no wall, also where the estimated normal is off
+// by kNormalOff: between facets, and in a cloud's noise.
+constexpr double kDegree = std::numbers::pi / 180.0, kNormalOff = 15.0 * kDegree,
+                 kSteepest = 85.0 * kDegree;
 
 // The place that holds the tip, from where it is to where the plan is.
 std::optional<StrokePart> place_of_tip(const Cycle& cycle, const TipPath& path, double planned,
@@ -35,9 +37,11 @@ BlockMonitor::BlockMonitor(const Experiment& e)
     : surface_(e.belief.perception ? &*e.belief.perception : nullptr),
       feels_(surface_ && e.control.impedance.wrench == WrenchFeedback::measured),
       touch_force_(e.control.impedance.contact.touch_force),
-      side_(kSpread * std::hypot(e.control.impedance.friction.coefficient,
-                                 std::tan(e.control.impedance.friction.normal_error_deg *
-                                          std::numbers::pi / 180.0))) {}
+      side_(std::tan(std::min(
+          kSteepest,
+          kNormalOff + std::atan(std::hypot(
+                           e.control.impedance.friction.coefficient,
+                           std::tan(e.control.impedance.friction.normal_error_deg * kDegree)))))) {}
 
 void BlockMonitor::begin_path() noexcept {
   wall_.reset();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -42,6 +43,10 @@ SignMonitor::SignMonitor(const ImpedanceSettings& s, const JointVector& torque_l
                                 kLeastForce * std::max(kLeastPush, s.normal_force))),
       slow_(Channels::Constant(torque_limit.size() + 3, followed(kSlowWrench, dt_))) {
   least_.head(torque_limit.size()) = (kShare * torque_limit.array()).max(kLeastTorque);
+  const double across =
+      s.friction.coefficient + std::tan(s.friction.normal_error_deg * std::numbers::pi / 180.0);
+  least_.segment<2>(torque_limit.size()) =
+      least_.segment<2>(torque_limit.size()).max(across * std::max(kLeastPush, s.normal_force));
   slow_.head(torque_limit.size()).setConstant(followed(kSlowTorque, dt_));
   weightless_.fill(v_);
   quick_ = x_slow_ = y_slow_ = size_quick_ = size_slow_ = xx_ = xy_ = yy_ = sizes_ = habit_ =

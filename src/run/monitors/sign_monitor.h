@@ -14,7 +14,8 @@
 //             answer, later: slower changes would take a shove on the elbow for a wrong sign.
 //   wrench    the same between 2 and 30 Hz, with √⟨x²⟩ above 0.8 of the push and 4 N. Dry
 //             friction of 3 Nm that begins to hold the arm as the pen lands looks alike, but
-//             smaller.
+//             smaller. Across the pen's axis only above what contact at the tip explains: the
+//             forces of a cut turn with its line, and joints stick.
 //   made up   the same below −0.8, with 9 N
 //   pull      as `wrench`, where the force has pulled at the pen along its axis by 2.5 N for 5 ms:
 //             no surface pulls, and the law already drives the pen into it
