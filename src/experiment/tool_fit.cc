@@ -17,27 +17,35 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// The places at which a stroke is cut that turns the tool further between two corners than the arm
-// can [m]: with a range below 360° where its heading leaves the range or comes back into it, else
-// where the range is used up.
+// The places at which a stroke is cut whose heading, between two corners, is not all within the
+// arm's range, whichever turn leads there [m]: with a range below 360° where its heading leaves the
+// range or comes back into it, else where the range is used up.
 std::vector<double> turned_too_far(const PlacedStroke& stroke, const ToolHeading& heading,
                                    const Pose& X_WP, double corner_angle) {
   const double range = heading.most - heading.least, middle = 0.5 * (heading.most + heading.least);
   const Eigen::Vector3d x = X_WP.R.transpose() * heading.start_x_W;
   const double zero = std::atan2(x.y(), x.x()) - heading.yaw + middle;
+  constexpr double kRound = 2.0 * std::numbers::pi;
   std::vector<double> cuts, since;  // since the last corner
-  double along = stroke.start, turned = 0.0, low = 0.0, high = 0.0;
+  double along = stroke.start, turned = 0.0, low = 0.0, high = 0.0, first = 0.0;
   bool within_before = true;
+  const auto fits = [&] {
+    if (range >= kRound) return high - low < range;
+    const double most = 0.5 * range + kHeadingReserve;  // a little more is tried before a cut
+    const double back = kRound * std::floor((first + high + most) / kRound);
+    return first + low - back >= -most && first + high - back <= most;
+  };
   for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
     const Eigen::Vector2d way = stroke.p_P[i] - stroke.p_P[i - 1];
-    const double off = std::remainder(std::atan2(way.y(), way.x()) - zero, 2.0 * std::numbers::pi);
+    const double off = std::remainder(std::atan2(way.y(), way.x()) - zero, kRound);
+    if (low == 0.0 && high == 0.0) first = off - turned;
     const bool within = std::abs(off) <= 0.5 * range, last = i + 1 == stroke.p_P.size();
     if (turned != 0.0 && within != within_before) since.push_back(along);
     within_before = within;
     along += way.norm();
     const double turn = last ? 0.0 : turn_at(stroke.p_P, i);
     if (last || std::abs(turn) > corner_angle) {
-      if (high - low >= range) cuts.insert(cuts.end(), since.begin(), since.end());
+      if (!fits()) cuts.insert(cuts.end(), since.begin(), since.end());
       since.clear();
       turned = low = high = 0.0;
       continue;
@@ -45,7 +53,7 @@ std::vector<double> turned_too_far(const PlacedStroke& stroke, const ToolHeading
     turned += turn;
     low = std::min(low, turned);
     high = std::max(high, turned);
-    if (range < 2.0 * std::numbers::pi || high - low < range) continue;
+    if (range < kRound || high - low < range) continue;
     cuts.push_back(along);
     turned = low = high = 0.0;
   }
@@ -113,10 +121,11 @@ std::vector<PlacedStroke> cut_where_turned(std::vector<PlacedStroke> strokes,
       parts.push_back(ruler.part(cuts[k], k + 1 < cuts.size() ? cuts[k + 1] : end));
   }
   if (cut > 0)
-    notes->push_back(fmt::format(
-        "yaw: the arm turns the tool by {:.0f}°, and stroke {} needs more: it is lifted {} time{} "
-        "on the way and turned back",
-        most / kDegree, where, cut, cut == 1 ? "" : "s"));
+    notes->push_back(
+        fmt::format("yaw: the arm turns the tool by {:.0f}°, and stroke {} leads beyond: it is "
+                    "lifted {} time{} "
+                    "on the way and turned back",
+                    most / kDegree, where, cut, cut == 1 ? "" : "s"));
   return parts;
 }
 

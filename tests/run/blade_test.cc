@@ -1,6 +1,8 @@
 // A blade from the scenario to its figures: yaw and corners, by the truth, and inputs that do not
 // fit.
+#include <fstream>
 #include <numbers>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -93,6 +95,25 @@ TEST(Blade, IsLiftedWhereTheArmCannotTurnOn) {
   EXPECT_GT(plane_length(circle.plan.strokes), 0.95 * plane_length(circle.artwork.strokes));
   // Parts of a stroke keep their place on it.
   EXPECT_LT(unnamed_length(circle), 1e-6);
+}
+
+// An arc that turns by less than the arm, but through headings to which the arm does not turn, is
+// cut there, and drawn whole. One that ends at these is not cut.
+TEST(Blade, IsLiftedWhereAnArcLeadsThroughTheEndOfTheArmsRange) {
+  const std::filesystem::path svg = std::filesystem::temp_directory_path() /
+                                    ("impedraw_arc_" + std::to_string(getpid()) + ".svg");
+  std::ofstream(svg) << R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">)"
+                     << R"(<path fill="none" stroke="black" d="M20,80A60,60 0 0 1 80,20"/></svg>)";
+  for (const auto& [turned, cut] : {std::pair("60", true), std::pair("100", false)}) {
+    SCOPED_TRACE(turned);
+    const Prepared arc = prepare(resolve_scenario(
+        "bowl-blade",
+        {"drawing.svg=" + svg.string(), "drawing.placement.fit_radius=0.06",
+         "drawing.placement.rotate=" + std::string(turned), "drawing.skip_unreachable=true"}));
+    EXPECT_EQ(arc.plan.strokes.size() > 1, cut);
+    EXPECT_NEAR(plane_length(arc.plan.strokes), plane_length(arc.artwork.strokes), 1e-6);
+  }
+  std::filesystem::remove(svg);
 }
 
 // The parts of a stroke that is cut are judged by themselves, also where nothing is left out.
