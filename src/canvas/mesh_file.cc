@@ -60,6 +60,10 @@ std::string_view plain_text(std::string_view text, std::string* bytes) {
   return *bytes;
 }
 
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+
 struct NamedMesh {
   std::filesystem::path file;
   std::optional<Eigen::Vector3d> colour;  // of the faces that are meant [0 … 1]
@@ -76,33 +80,44 @@ NamedMesh named_mesh(const std::filesystem::path& name) {
   return {text.substr(0, hash), Eigen::Vector3d(rgb >> 16, rgb >> 8 & 255U, rgb & 255U) / 255.0};
 }
 
-// Keeps the triangles that have two corners of the colour, or three.
+// Keeps the triangles of faces of the colour, or that have two corners of it, or three.
 void keep_painted(const PolygonMesh& polygons, const Eigen::Vector3d& colour,
                   const std::string& name, TriangleMesh* mesh) {
   constexpr double kSameColour = 0.1;  // of each channel
-  if (polygons.colours.size() != mesh->vertices.size())
+  const bool by_face = polygons.colours.size() != mesh->vertices.size();
+  if (by_face && polygons.face_colours.size() != polygons.faces())
     throw InputError(name +
-                     ": its vertices have no colours; valid is a .ply with red, green and "
-                     "blue, or an .obj with six numbers for each vertex");
+                     ": neither its vertices nor its faces have colours; valid is a .ply with red, "
+                     "green and blue, or an .obj with six numbers for each vertex, or with its "
+                     ".mtl file beside it");
+  const auto& colours = by_face ? polygons.face_colours : polygons.colours;
   double brightest = 1.0;
-  for (const Eigen::Vector3d& c : polygons.colours) brightest = std::max(brightest, c.maxCoeff());
+  for (const Eigen::Vector3d& c : colours) brightest = std::max(brightest, c.maxCoeff());
   const double scale = brightest > 1.0 ? 255.0 : 1.0;  // some write an .obj with bytes
-  const auto of = [&](int v) -> Eigen::Vector3d {
-    return polygons.colours[static_cast<std::size_t>(v)] / scale;
+  const auto of = [&](std::size_t face, int v) -> Eigen::Vector3d {
+    return colours[by_face ? face : static_cast<std::size_t>(v)] / scale;
   };
-  std::erase_if(mesh->triangles, [&](const Eigen::Vector3i& t) {
-    return std::ranges::count_if(
-               t, [&](int v) { return (of(v) - colour).cwiseAbs().maxCoeff() <= kSameColour; }) < 2;
-  });
+  std::vector<Vector3i> kept;
+  std::size_t next = 0;
+  for (std::size_t f = 0; f < polygons.faces(); ++f)
+    for (std::size_t k = 2; k < polygons.face(f).size(); ++k) {
+      const Vector3i& t = mesh->triangles[next++];
+      const auto same = [&](int v) {
+        return (of(f, v) - colour).cwiseAbs().maxCoeff() <= kSameColour;
+      };
+      if (std::ranges::count_if(t, same) >= 2) kept.push_back(t);
+    }
+  mesh->triangles = std::move(kept);
   if (!mesh->triangles.empty()) return;
   std::map<std::string, std::size_t> others;  // of the faces' corners
-  for (const int v : polygons.corners) {
-    const Eigen::Vector3i c = (255.0 * of(v)).array().round().cast<int>();
-    ++others[fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2])];
-  }
+  for (std::size_t f = 0; f < polygons.faces(); ++f)
+    for (const int v : polygons.face(f)) {
+      const Vector3i c = (255.0 * of(f, v)).array().round().cast<int>();
+      if (c.minCoeff() >= 0) ++others[fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2])];
+    }
   const auto most = std::ranges::max_element(others, {}, [](const auto& o) { return o.second; });
   throw InputError(fmt::format("{}: no face has that colour; of {} colours {} is the commonest",
-                               name, others.size(), most->first));
+                               name, others.size(), others.empty() ? "none" : most->first));
 }
 
 using Parser = PolygonMesh (*)(std::string_view, const std::string&);
@@ -125,10 +140,6 @@ Parser require_parser(const std::filesystem::path& file) {
   throw InputError(
       fmt::format("{}: has the type '{}', a mesh must be {}", file.string(), ending, kMeshFiles));
 }
-
-using Eigen::Vector2d;
-using Eigen::Vector3d;
-using Eigen::Vector3i;
 
 constexpr std::size_t kMostCorners = 2000;  // ear clipping takes up to n³ steps
 

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -10,6 +13,7 @@
 
 #include "impedraw/canvas/polygon_mesh.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/common/text_fields.h"
 
 namespace impedraw {
 namespace {
@@ -140,10 +144,34 @@ bool are_triangles(const PolygonMesh& mesh, std::size_t first) {
   return true;
 }
 
+const Eigen::Vector3d kNoColour = Eigen::Vector3d::Constant(-1.0);
+
+// Adds the diffuse colours of an .mtl file's materials; none where it cannot be read, or has a
+// picture in their place.
+void read_materials(const std::filesystem::path& file,
+                    std::map<std::string, Eigen::Vector3d>* materials) {
+  if (!std::filesystem::is_regular_file(file)) return;
+  std::ifstream in(file);
+  Eigen::Vector3d* colour = nullptr;
+  for (std::string line; std::getline(in, line);) {
+    std::string_view rest = line;
+    const std::string_view key = next_word(&rest);
+    if (key == "newmtl") colour = &(*materials)[std::string(trimmed(rest))];
+    if (!colour || (key != "newmtl" && key != "Kd" && key != "map_Kd")) continue;
+    Eigen::Vector3d given;
+    const bool plain = key == "Kd" && std::all_of(given.begin(), given.end(), [&](double& c) {
+                         return finite_number(next_word(&rest), &c);
+                       });
+    *colour = plain ? given : kNoColour;
+  }
+}
+
 }  // namespace
 
 PolygonMesh parse_obj(std::string_view text, const std::string& name) {
   PolygonMesh mesh;
+  std::map<std::string, Eigen::Vector3d> materials;
+  Eigen::Vector3d colour_of_faces = kNoColour;
   Lines lines{text};
   std::string_view line;
   std::string joined;
@@ -166,6 +194,11 @@ PolygonMesh parse_obj(std::string_view text, const std::string& name) {
       if (std::all_of(colour.begin(), colour.end(),
                       [&](double& c) { return finite_number(next_word(&rest), &c); }))
         mesh.colours.push_back(colour);
+    } else if (key == "mtllib") {
+      read_materials(std::filesystem::path(name).parent_path() / trimmed(rest), &materials);
+    } else if (key == "usemtl") {
+      const auto material = materials.find(std::string(trimmed(rest)));
+      colour_of_faces = material == materials.end() ? kNoColour : material->second;
     } else if (key == "f") {
       const std::size_t before = mesh.corners.size();
       const long count = static_cast<long>(mesh.vertices.size());
@@ -184,6 +217,9 @@ PolygonMesh parse_obj(std::string_view text, const std::string& name) {
                                      first, mesh.faces(), mesh.corners.size() - before));
       }
       mesh.ends.push_back(mesh.corners.size());
+      if (materials.empty()) continue;
+      mesh.face_colours.resize(mesh.faces() - 1, kNoColour);
+      mesh.face_colours.push_back(colour_of_faces);
     }
   }
   return mesh;

@@ -127,11 +127,15 @@ struct Body {
       const PlyProperty& property = element.properties[k];
       has_corners = has_corners || names_corners(element, property);
       for (std::size_t i = 0; i < known.size(); ++i)
-        if (property.count_size == 0 && property.name == kNames[i]) known[i] = k;
+        if (property.count_size == 0 &&
+            (property.name == kNames[i] || property.name == std::string("diffuse_") + kNames[i]))
+          known[i] = k;
     }
-    const bool vertex = element.name == "vertex", strip = element.name == "tristrips";
+    const bool vertex = element.name == "vertex", strip = element.name == "tristrips",
+               face = element.name == "face";
+    const bool coloured = std::max({known[3], known[4], known[5]}) < element.properties.size();
     for (std::size_t i = 0; i < element.count; ++i) {
-      Eigen::Vector<double, 6> of_vertex = Eigen::Vector<double, 6>::Zero();
+      Eigen::Vector<double, 6> values = Eigen::Vector<double, 6>::Zero();
       for (std::size_t k = 0; k < element.properties.size(); ++k) {
         const PlyProperty& property = element.properties[k];
         const bool corners = names_corners(element, property);
@@ -145,23 +149,22 @@ struct Body {
         for (std::size_t j = 0; j < count; ++j) {
           const double value = number(element, i, property.size, property.whole, property.has_sign);
           if (corners) mesh.corners.push_back(as_index(value));
-          if (!vertex) continue;
+          if (!vertex && !face) continue;
           for (std::size_t m = 0; m < known.size(); ++m)
             if (known[m] == k)
-              of_vertex[static_cast<Eigen::Index>(m)] =
+              values[static_cast<Eigen::Index>(m)] =
                   m >= 3 && property.whole ? value / (std::pow(256.0, property.size) - 1.0) : value;
         }
         if (corners && strip) cut_strip(begin);
         if (corners && !strip) mesh.ends.push_back(mesh.corners.size());
       }
-      if (!vertex) continue;
-      mesh.vertices.push_back(of_vertex.head<3>());
-      if (std::ranges::max(known) < element.properties.size())
-        mesh.colours.push_back(of_vertex.tail<3>());
+      if (vertex) mesh.vertices.push_back(values.head<3>());
+      if (coloured && (vertex || face))
+        (vertex ? mesh.colours : mesh.face_colours).push_back(values.tail<3>());
     }
     if (vertex && std::max({known[0], known[1], known[2]}) == element.properties.size())
       throw InputError(fmt::format("{}: its vertices have no x, y and z", name));
-    if ((strip || element.name == "face") && element.count > 0 && !has_corners)
+    if ((strip || face) && element.count > 0 && !has_corners)
       throw InputError(fmt::format("{}: its faces have no list vertex_indices", name));
   }
 };

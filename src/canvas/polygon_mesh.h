@@ -18,10 +18,12 @@ struct PolygonMesh {
   std::vector<Eigen::Vector3d> vertices;  // [file's unit]
   std::vector<int> corners;               // vertex indices of all faces in turn, from 0
   std::vector<std::size_t> ends;          // end of each face in `corners`
-  std::vector<Eigen::Vector3d> colours;   // of the vertices, 0 … 1; others: the file has none
-  double unit = 0.0;                      // [m], as the file says; 0: it says nothing
-  bool y_up = false;                      // the file's format has its y axis up
-  std::vector<std::string> warnings;      // one line each
+  // Colours are of the vertices and of the faces, 0 … 1; other counts: the file has none. An OBJ's
+  // faces have those of the .mtl files that it names, in its folder and below.
+  std::vector<Eigen::Vector3d> colours, face_colours;
+  double unit = 0.0;                  // [m], as the file says; 0: it says nothing
+  bool y_up = false;                  // the file's format has its y axis up
+  std::vector<std::string> warnings;  // one line each
 
   std::size_t faces() const { return ends.size(); }
   std::span<const int> face(std::size_t i) const {

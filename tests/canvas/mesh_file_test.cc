@@ -179,7 +179,30 @@ TEST_F(MeshFile, ReadsTheFacesOfAColour) {
                 HasSubstr("no face has that colour; of 2 colours #fa0500"));
   }
   EXPECT_THAT(refusal(write("plain.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n") + "#ff0000"),
-              HasSubstr("its vertices have no colours"));
+              HasSubstr("neither its vertices nor its faces have colours"));
+}
+
+TEST_F(MeshFile, ReadsTheFacesOfAColourThatFacesHave) {
+  // A red square and a grey triangle.
+  const std::string square = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 0\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty "
+      "float z\nelement face 2\nproperty list uchar int vertex_indices\nproperty uchar red\n"
+      "property uchar green\nproperty uchar blue\nend_header\n" +
+      square + "4 0 1 2 3 255 0 0\n3 1 4 2 128 128 128\n";
+  write("part.mtl", "newmtl a b\nKd 1 0 0\nnewmtl grey\nKd 0.5 0.5 0.5\nnewmtl wood\nmap_Kd x\n");
+  const std::string obj =
+      "mtllib part.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nusemtl a b\nf 1 2 3 4\n"
+      "usemtl grey\nf 2 5 3\nusemtl wood\nf 2 5 3\n";
+  for (const std::string file : {write("faces.ply", ply), write("part.obj", obj)}) {
+    SCOPED_TRACE(file);
+    EXPECT_NEAR(area(read_mesh(file + "#ff0000", 1.0)), 1.0, 1e-9);
+    EXPECT_NEAR(area(read_mesh(file + "#808080", 1.0)), 0.5, 1e-9);
+    EXPECT_THAT(refusal(file + "#00ff00"),
+                HasSubstr("no face has that colour; of 2 colours #ff0000"));
+  }
+  EXPECT_THAT(refusal(write("alone.obj", "mtllib none.mtl\n" + obj.substr(16)) + "#ff0000"),
+              HasSubstr("neither its vertices nor its faces have colours"));
 }
 
 TEST_F(MeshFile, CutsAnySimplePolygon) {
