@@ -255,7 +255,9 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   const fs::path folder = options.out.empty() ? fs::path("runs") / scenario.name : options.out;
   require_run_folder(folder);
   const bool begun = options.resume && is_own_file(folder / "run.h5");
-  if (options.resume && !begun)
+  // A run that was killed before its first line begins anew, as with draw.
+  const bool named = !options.scenario.empty() || !region.empty() || !options.assignments.empty();
+  if (options.resume && !begun && !named && !fs::exists(folder))
     throw InputError(fmt::format(
         "--resume: {} contains no run to resume; name its folder with --out", folder.string()));
   if (!options.out.empty() && !begun && !options.overwrite) require_no_finished_run(folder);

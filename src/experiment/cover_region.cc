@@ -5,6 +5,7 @@
 #include "impedraw/canvas/mesh_file.h"
 #include "impedraw/common/file_extension.h"
 #include "impedraw/drawing/artwork_file.h"
+#include "impedraw/drawing/layers.h"
 #include "impedraw/drawing/regions.h"
 #include "impedraw/experiment/place_wish.h"
 
@@ -34,7 +35,9 @@ CoverRegion region_of(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP)
   if (lower_extension(s.cover.region) != ".svg")
     throw InputError(s.cover.region.string() + ": valid is an .svg with filled areas, or a mesh " +
                      "with a colour of six hexadecimal digits, as part.ply#c01020");
-  const Artwork artwork = read_artwork(s.cover.region, {.visible = s.drawing.visible});
+  Artwork artwork =
+      read_artwork(s.cover.region, {.visible = s.drawing.visible, .layers = s.drawing.layers});
+  if (!s.drawing.layer.empty()) choose_layers(artwork, s.drawing.layer);
   if (artwork.areas.empty())
     throw InputError(fmt::format("{}: has no filled area to cover; valid is an SVG with one",
                                  s.cover.region.string()));

@@ -259,6 +259,7 @@ TEST_F(Cover, NamesBadInput) {
   refuses("--set perception.enabled=false", "perception.enabled is false");
   refuses(window("1") + " --set drawing.placement.centre=[1.5,0]", "lies off the canvas");
   refuses(window("0.3"), "fits nowhere in cover.region");
+  refuses(window("1") + " --set drawing.layer=2", "no layer '2'");
   refuses("--set tool.foam_stiffness=1e8", "touches with a part of its face only");
   refuses("--set tool.radius=0.0075", "press the foam of a pad of 15.0 mm in by 14.1 mm");
   refuses("--region part.ply#c0102", "a colour of six hexadecimal digits");
@@ -294,7 +295,7 @@ TEST_F(Cover, NamesSettingsOfAnotherTool) {
 TEST_F(Cover, StartsWhereOnlyLinesWereLaid) {
   fs::create_directories(folder_ / "run");
   std::ofstream(folder_ / "run/cover.csv") << "x,y,force,stroke\n";
-  EXPECT_EQ(run(window("1")), 0) << said();
+  EXPECT_EQ(run(window("1") + " --resume"), 0) << said();
 }
 
 // A pad that touches about its middle alone, on a ball as large as its foam gives.
