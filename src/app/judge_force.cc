@@ -57,6 +57,9 @@ Scenario scenario_of(DrawOptions options, const JudgeForceOptions& judged, Place
   if (s.canvas.kind != CanvasKind::bowl)
     throw InputError(
         "judge-force: canvas.kind must be bowl; the benchmark puts its own workpieces there");
+  if (s.tool.kind != ToolKind::pen)
+    SettingErrors(*places).raise({"tool.kind"},
+                                 "tool.kind: judge-force judges a pen's force; valid is pen");
   s.perception.enabled = false;
   s.canvas.motion = {};
   s.pushes.clear();
@@ -128,9 +131,11 @@ int judge_force(DrawOptions options, const JudgeForceOptions& judged) {
   const Scenario scenario = scenario_of(options, judged, &places);
   Prepared experiment = prepare(scenario, places);
   const DriverMaker make_driver = driver_maker(experiment);
-  if (!judged.rig.empty() && !make_driver)
-    throw InputError(
-        "--rig: the simulated arm has its own workpieces; valid with --arm iiwa-lcm or franka");
+  if (!make_driver && !(judged.rig.empty() && judged.sensor.empty()))
+    throw InputError(fmt::format(
+        "{}: the simulated arm has its own workpieces and the sensor under them; valid with --arm "
+        "iiwa-lcm or franka",
+        judged.rig.empty() ? "--sensor" : "--rig"));
   const auto start = Clock::now();
 
   results.arm = name_of_arm(judged, scenario);
