@@ -311,6 +311,7 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
         fmt::format("--resume: the area in {} was begun along other lines; use the same settings",
                     folder.string()));
   if (cut || begun) lay(plan, strokes, 0.7);
+  for (const std::string& what : plan.left_out) say(stderr, "note: cover.region: {}\n", what);
   for (const std::string& note : plan.notes) say(stderr, "note: {}\n", note);
   line.reset();
   Prepared& experiment = *laid;

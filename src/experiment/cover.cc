@@ -87,6 +87,7 @@ void wish_for_region(const Scenario& s, const Pose& X_WP, const SettingErrors& e
   CoverRegion region = errors.locate({"cover.region", "drawing.placement"},
                                      [&] { return region_of(s, plan->grid, X_WP); });
   plan->wish.region = std::move(region.inside);
+  plan->left_out = std::move(region.left_out);
   if (s.cover.dose != CoverDose::by_tone) return;
   plan->wish.share = std::move(region.tones);
   for (std::size_t v = 0; v < plan->grid.size(); ++v) {

@@ -25,6 +25,7 @@ struct CoverPlan {
   double promised_area = 0.0;               // [m²]
   double faint = 0.0;                       // that asks for less than the least force leaves [m²]
   std::vector<std::string> notes;           // what of the area is not covered, one line each
+  std::vector<std::string> left_out;        // CoverRegion::left_out
 };
 
 // The pad that covers, or a nozzle's jet; nothing for another tool.

@@ -52,7 +52,8 @@ CoverRegion region_of(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP)
   const RegionMath math(box);
   std::vector<Eigen::Vector2d> page(g.size());
   for (std::size_t v = 0; v < g.size(); ++v) page[v] = placement.to_page(g.plane(v));
-  CoverRegion region{std::vector<char>(g.size(), 0), std::vector<double>(g.size(), 0.0)};
+  CoverRegion region{std::vector<char>(g.size(), 0), std::vector<double>(g.size(), 0.0),
+                     artwork.warnings};
   for (const Area& area : artwork.areas) {
     const RegionIndex index(math.region(area));
     for (std::size_t v = 0; v < g.size(); ++v) {

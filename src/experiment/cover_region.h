@@ -1,6 +1,7 @@
 // The area that `cover` treats: cover.region, seen along the drawing axis.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "impedraw/common/pose.h"
@@ -12,6 +13,7 @@ namespace impedraw {
 struct CoverRegion {
   std::vector<char> inside;   // of each vertex
   std::vector<double> tones;  // of each vertex: 0 nothing, 1 ink only (Area::tone); empty: a mesh
+  std::vector<std::string> left_out = {};  // of the SVG: Artwork::warnings
 };
 
 // The last of an SVG's areas that is painted over a place counts. Throws InputError for a file that

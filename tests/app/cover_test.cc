@@ -298,6 +298,15 @@ TEST_F(Cover, StartsWhereOnlyLinesWereLaid) {
   EXPECT_EQ(run(window("1") + " --resume"), 0) << said();
 }
 
+// A region's picture is no filled area: that is said, and the rest is covered.
+TEST_F(Cover, SaysWhatOfARegionItLeavesOut) {
+  std::ofstream(folder_ / "window.svg")
+      << R"(<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="60mm">)"
+      << R"(<rect width="90mm" height="60mm"/><image width="9" height="9" href="a.png"/></svg>)";
+  ASSERT_EQ(run(window("1")), 0) << said();
+  EXPECT_NE(said().find("note: cover.region: 1 × <image>"), std::string::npos) << said();
+}
+
 // A pad that touches about its middle alone, on a ball as large as its foam gives.
 TEST_F(Cover, NamesAPadThatDoesNotFitALine) {
   EXPECT_EQ(run("scenarios/cover-dome.yaml --set drawing.shape=circle "

@@ -76,6 +76,8 @@ TEST_F(JudgeForce, NamesWhatIsWrong) {
       {{"--arm", "ur6e"}, "ur5e"},
       {{"--set", "canvas.kind=plane", "--cases", "steps"}, "canvas.kind"},
       {{"--rig", "orders.json", "--cases", "steps"}, "its own workpieces"},
+      {{"--sensor", "none.csv", "--cases", "steps"}, "--sensor: the simulated arm"},
+      {{"--set", "tool.kind=pad", "--cases", "steps"}, "tool.kind: judge-force judges a pen's"},
       {{"--arm", "iiwa-lcm", "--cases", "hand-across", "--set", "control.wrench=ground_truth"},
        "--rig"}};
   for (const auto& [words, said] : cases) {
