@@ -19,7 +19,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 // The places at which a stroke is cut whose heading, between two corners, is not all within the
 // arm's range, whichever turn leads there [m]: with a range below 360° where its heading leaves the
-// range or comes back into it, else where the range is used up.
+// range or comes back into it, else where no turn is left that leads on.
 std::vector<double> turned_too_far(const PlacedStroke& stroke, const ToolHeading& heading,
                                    const Pose& X_WP, double corner_angle) {
   const double range = heading.most - heading.least, middle = 0.5 * (heading.most + heading.least);
@@ -29,11 +29,11 @@ std::vector<double> turned_too_far(const PlacedStroke& stroke, const ToolHeading
   std::vector<double> cuts, since;  // since the last corner
   double along = stroke.start, turned = 0.0, low = 0.0, high = 0.0, first = 0.0;
   bool within_before = true;
+  // A little more than a range below 360° is tried before a cut.
+  const double most = 0.5 * range + (range < kRound ? kHeadingReserve : 0.0);
   const auto fits = [&] {
-    if (range >= kRound) return high - low < range;
-    const double most = 0.5 * range + kHeadingReserve;  // a little more is tried before a cut
-    const double back = kRound * std::floor((first + high + most) / kRound);
-    return first + low - back >= -most && first + high - back <= most;
+    const double least = first + low, up = kRound * std::ceil((-most - least) / kRound);
+    return first + high + up <= most;
   };
   for (std::size_t i = 1; i < stroke.p_P.size(); ++i) {
     const Eigen::Vector2d way = stroke.p_P[i] - stroke.p_P[i - 1];
@@ -53,7 +53,7 @@ std::vector<double> turned_too_far(const PlacedStroke& stroke, const ToolHeading
     turned += turn;
     low = std::min(low, turned);
     high = std::max(high, turned);
-    if (range < kRound || high - low < range) continue;
+    if (range < kRound || fits()) continue;
     cuts.push_back(along);
     turned = low = high = 0.0;
   }

@@ -1,5 +1,7 @@
 // A blade from the scenario to its figures: yaw and corners, by the truth, and inputs that do not
 // fit.
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <numbers>
 #include <utility>
@@ -10,6 +12,7 @@
 
 #include "drawn_scenario.h"
 #include "impedraw/common/errors.h"
+#include "impedraw/experiment/tool_fit.h"
 #include "impedraw/experiment/truth.h"
 #include "impedraw/log/run_rows.h"
 #include "impedraw/planning/stroke_ruler.h"
@@ -114,6 +117,39 @@ TEST(Blade, IsLiftedWhereAnArcLeadsThroughTheEndOfTheArmsRange) {
     EXPECT_NEAR(plane_length(arc.plan.strokes), plane_length(arc.artwork.strokes), 1e-6);
   }
   std::filesystem::remove(svg);
+}
+
+// A spiral on an arm that turns the tool by 680°: each part has a turn, of those that lead to its
+// first heading, after which all of it is within the range.
+TEST(Blade, IsLiftedOnASpiralWhereNoTurnLeadsOn) {
+  const double degree = std::numbers::pi / 180.0;
+  PlacedStroke spiral;
+  for (double t = 0.0; t < 1800.0; t += 2.0)
+    spiral.p_P.push_back((0.02 + 2e-5 * t) *
+                         Eigen::Vector2d(std::cos(t * degree), std::sin(t * degree)));
+  spiral.page.resize(spiral.p_P.size());
+  ToolHeading heading;
+  heading.least = -300.0 * degree;
+  heading.most = 380.0 * degree;
+  std::vector<std::string> notes;
+  const auto parts = cut_where_turned({spiral}, heading, Pose(), 30.0 * degree, &notes);
+  EXPECT_THAT(parts, ::testing::SizeIs(::testing::Le(5)));
+  for (const PlacedStroke& part : parts) {
+    std::vector<double> turned;
+    for (std::size_t i = 1; i < part.p_P.size(); ++i) {
+      const Eigen::Vector2d way = part.p_P[i] - part.p_P[i - 1];
+      const double at = std::atan2(way.y(), way.x());
+      turned.push_back(turned.empty() ? at
+                                      : turned.back() + std::remainder(at - turned.back(),
+                                                                       2.0 * std::numbers::pi));
+    }
+    const auto [low, high] = std::ranges::minmax(turned);
+    bool fits = false;
+    for (int k = -6; k <= 6; ++k)
+      fits = fits || (low + 360.0 * k * degree >= heading.least - 2.1 * degree &&
+                      high + 360.0 * k * degree <= heading.most + 2.1 * degree);
+    EXPECT_TRUE(fits) << low / degree << " to " << high / degree << "°";
+  }
 }
 
 // The parts of a stroke that is cut are judged by themselves, also where nothing is left out.
