@@ -74,6 +74,10 @@ class Planning {
                   s_.control.torque_share};
     plan_.rest_q = rest_posture(s_.arm, artwork_, requested(), belief_);
     check(lost);
+    if (turns_too_far()) {
+      reserve_ = 0.0;
+      check(lay_on_surface());
+    }
     for (bool done = false; !done;) {
       setting_errors_.locate(placement_setting_names(), [&] { promise(); });
       try {
@@ -120,6 +124,7 @@ class Planning {
   bool may_move() const { return seen_ && s_.perception.frames.enabled; }
   void leave_to_run(std::vector<Finding>* findings);
   void check(const std::vector<StrokePart>& lost);
+  bool turns_too_far() const;
   void promise();
   void plan_path();
   void leave_out_barred(std::vector<Finding> transitions);
@@ -135,9 +140,10 @@ class Planning {
   const PrepareProgress& progress_;
   bool seen_;
   double wrap_doubt_ = 0.0;  // [m]
-  std::vector<std::string> heading_notes_;
-  std::vector<int> of_artwork_;  // the artwork's number of each promised stroke
-  std::vector<double> shares_;   // of each drawable part: what it loses if it is barred
+  std::vector<std::string> heading_notes_, yaw_notes_;
+  double reserve_ = kHeadingReserve;  // of the range of yaw that lines may use [rad]
+  std::vector<int> of_artwork_;       // the artwork's number of each promised stroke
+  std::vector<double> shares_;        // of each drawable part: what it loses if it is barred
   Plan plan_;
 };
 
@@ -192,6 +198,9 @@ PreflightSettings Planning::preflight_settings() const {
 // Projects or wraps the strokes. Returns the parts without a surface, by the artwork's numbers.
 std::vector<StrokePart> Planning::lay_on_surface() {
   WrappedStrokes laid;
+  plan_.laid.reset();
+  plan_.source.clear();
+  yaw_notes_.clear();
   if (s_.drawing.mapping == Mapping::wrap) {
     laid = setting_errors_.locate({"drawing.wrap", "drawing.mapping", "drawing"}, [&] {
       plan_.wrap.emplace(surface(), s_.drawing.placement.centre_m, artwork_.strokes,
@@ -201,9 +210,9 @@ std::vector<StrokePart> Planning::lay_on_surface() {
     plan_.laid = std::move(laid.strokes);
   }
   if (const auto& heading = plan_.path_settings.heading)
-    plan_.laid = cut_where_turned(requested(), *heading, artwork_.X_WP,
+    plan_.laid = cut_where_turned(requested(), *heading, reserve_, artwork_.X_WP,
                                   plan_.path_settings.corner_angle_deg * std::numbers::pi / 180.0,
-                                  &heading_notes_);
+                                  &yaw_notes_);
   for (const PlacedStroke& stroke : requested()) plan_.source.push_back(stroke.number);
   for (std::size_t k = 0; plan_.laid && k < plan_.laid->size(); ++k)
     (*plan_.laid)[k].number = static_cast<int>(k);
@@ -272,10 +281,19 @@ void Planning::check(const std::vector<StrokePart>& lost) {
     plan_.preflight.findings.push_back(off_patch(artwork_.strokes, part, artwork_.X_WP));
 }
 
+// True where the reserve of the arm's range of yaw led a line to a joint's end: it is to be cut.
+bool Planning::turns_too_far() const {
+  return plan_.path_settings.heading &&
+         std::ranges::any_of(plan_.preflight.findings, [](const Finding& f) {
+           return f.problem == Problem::joint_limit || f.problem == Problem::joint_jump;
+         });
+}
+
 // Sets the promised strokes to the drawable parts. Findings are thrown, noted or ignored, depending
 // on `unreachable_`.
 void Planning::promise() {
   plan_.notes = heading_notes_;
+  plan_.notes.insert(plan_.notes.end(), yaw_notes_.begin(), yaw_notes_.end());
   if (plan_.wrap) note_wrap(wrap_doubt_, &plan_.notes);
   const std::vector<Finding>& findings = plan_.preflight.findings;
   if (!findings.empty() && unreachable_ != Unreachable::tell) {
@@ -419,6 +437,9 @@ void Planning::leave_out(const OffSurface& off) {
 // the slowest first, those that are not much slower than their own corners make them.
 bool Planning::leave_out_crawling() {
   constexpr double kCrawling = 2.0 / 3.0, kInHand = 1.2, kRise = 1.25, kBarelySlowed = 1.25;
+  // A stretch crawls that is so many times slower than without the arm's limits. A led tool turns
+  // in each bend.
+  constexpr double kSlowed = 2.0, kTurning = 5.0;
   const double asked = std::min(s_.preflight.least_speed, 0.5 * plan_.path_settings.draw_speed);
   if (!(asked > 0.0)) return false;
   double least = kCrawling * asked;
@@ -432,7 +453,8 @@ bool Planning::leave_out_crawling() {
   for (const std::size_t s : suspects) strokes.push_back(plan_.strokes[s]);
   const TipPath free = plan_from(unhindered(plan_.path_settings), surface(), strokes,
                                  s_.arm.start_p_WE, z_WP(), plan_.path_settings.start_hold);
-  std::vector<CrawlingStretch> slow = crawling_stretches(plan_.path, free, suspects, least);
+  std::vector<CrawlingStretch> slow = crawling_stretches(
+      plan_.path, free, suspects, least, plan_.path_settings.heading ? kTurning : kSlowed);
   while (slow.empty() && slow_on_average && least < kInHand * asked) {
     least = std::min(kRise * least, kInHand * asked);
     slow = crawling_stretches(plan_.path, free, suspects, least);
@@ -456,29 +478,6 @@ bool Planning::leave_out_crawling() {
 }
 
 }  // namespace
-
-PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP, bool seen,
-                                     const JointVector& rest_q) {
-  PreflightSettings s = scenario.preflight;
-  s.X_WP = X_WP;
-  s.vertical_pen = !seen;
-  s.normal_force = scenario.control.normal_force;
-  s.torque_share = scenario.control.torque_share;
-  s.friction = scenario.control.friction.coefficient;
-  s.normal_smoothing = scenario.path.normal_smoothing, s.lean_deg = scenario.path.lean_deg;
-  s.space = scenario.control.operational_space;
-  s.rest_q = rest_q;
-  s.speed = scenario.path.draw_speed;
-  return s;
-}
-
-std::function<double(const Eigen::Vector3d&)> height_error(const Belief& belief) {
-  if (!belief.perception) return {};
-  // The misfit is an RMS.
-  return [seen = belief.perception](const Eigen::Vector3d& p_W) {
-    return 2.0 * seen->roughness(p_W).misfit;
-  };
-}
 
 Plan make_plan(const Scenario& scenario, const PlacedArtwork& artwork, const Belief& belief,
                Unreachable unreachable, const SettingErrors& setting_errors,

@@ -21,7 +21,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 // arm's range, whichever turn leads there [m]: with a range below 360° where its heading leaves the
 // range or comes back into it, else where no turn is left that leads on.
 std::vector<double> turned_too_far(const PlacedStroke& stroke, const ToolHeading& heading,
-                                   const Pose& X_WP, double corner_angle) {
+                                   double reserve, const Pose& X_WP, double corner_angle) {
   const double range = heading.most - heading.least, middle = 0.5 * (heading.most + heading.least);
   const Eigen::Vector3d x = X_WP.R.transpose() * heading.start_x_W;
   const double zero = std::atan2(x.y(), x.x()) - heading.yaw + middle;
@@ -29,8 +29,7 @@ std::vector<double> turned_too_far(const PlacedStroke& stroke, const ToolHeading
   std::vector<double> cuts, since;  // since the last corner
   double along = stroke.start, turned = 0.0, low = 0.0, high = 0.0, first = 0.0;
   bool within_before = true;
-  // A little more than a range below 360° is tried before a cut.
-  const double most = 0.5 * range + (range < kRound ? kHeadingReserve : 0.0);
+  const double most = 0.5 * range + (range < kRound ? reserve : 0.0);
   const auto fits = [&] {
     const double least = first + low, up = kRound * std::ceil((-most - least) / kRound);
     return first + high + up <= most;
@@ -99,15 +98,16 @@ std::optional<ToolHeading> heading_of(const Scenario& s, const ArmModel& arm,
 }
 
 std::vector<PlacedStroke> cut_where_turned(std::vector<PlacedStroke> strokes,
-                                           const ToolHeading& heading, const Pose& X_WP,
-                                           double corner_angle, std::vector<std::string>* notes) {
+                                           const ToolHeading& heading, double reserve,
+                                           const Pose& X_WP, double corner_angle,
+                                           std::vector<std::string>* notes) {
   const double most = heading.most - heading.least;
   std::vector<PlacedStroke> parts;
   std::string where;
   int cut = 0;
   for (PlacedStroke& stroke : strokes) {
     std::vector<double> cuts{stroke.start};
-    for (const double along : turned_too_far(stroke, heading, X_WP, corner_angle))
+    for (const double along : turned_too_far(stroke, heading, reserve, X_WP, corner_angle))
       cuts.push_back(along);
     const double end = stroke.start + plane_length(stroke);
     if (cuts.size() > 1) where += fmt::format("{}{}", where.empty() ? "" : ", ", stroke.number);

@@ -36,9 +36,11 @@ std::optional<ToolHeading> heading_of(const Scenario& scenario, const ArmModel& 
 // Cuts strokes that turn the tool further between two corners than the arm can: there it is lifted,
 // and turned back. An arm that turns it by less than 360° has headings that it does not reach: what
 // needs these is a part of its own, so that the others are whole. The parts keep their strokes'
-// numbers. Adds a note that says where.
+// numbers. Adds a note that says where. `reserve`: by how much more than a range below 360° a line
+// may turn to either side and is left whole [rad].
 std::vector<PlacedStroke> cut_where_turned(std::vector<PlacedStroke> strokes,
-                                           const ToolHeading& heading, const Pose& X_WP,
-                                           double corner_angle, std::vector<std::string>* notes);
+                                           const ToolHeading& heading, double reserve,
+                                           const Pose& X_WP, double corner_angle,
+                                           std::vector<std::string>* notes);
 
 }  // namespace impedraw

@@ -119,6 +119,13 @@ TEST(Blade, IsLiftedWhereAnArcLeadsThroughTheEndOfTheArmsRange) {
   std::filesystem::remove(svg);
 }
 
+// Letters have arcs that lead a little beyond the range, and bends in which the tool turns slowly.
+TEST(Blade, CutsText) {
+  const Prepared text = prepare(
+      resolve_scenario("bowl-blade", {"drawing.text.text=Cut 42", "drawing.placement.width=160"}));
+  EXPECT_NEAR(plane_length(text.plan.strokes), plane_length(text.artwork.strokes), 1e-6);
+}
+
 // A spiral on an arm that turns the tool by 680°: each part has a turn, of those that lead to its
 // first heading, after which all of it is within the range.
 TEST(Blade, IsLiftedOnASpiralWhereNoTurnLeadsOn) {
@@ -132,7 +139,7 @@ TEST(Blade, IsLiftedOnASpiralWhereNoTurnLeadsOn) {
   heading.least = -300.0 * degree;
   heading.most = 380.0 * degree;
   std::vector<std::string> notes;
-  const auto parts = cut_where_turned({spiral}, heading, Pose(), 30.0 * degree, &notes);
+  const auto parts = cut_where_turned({spiral}, heading, 0.0, Pose(), 30.0 * degree, &notes);
   EXPECT_THAT(parts, ::testing::SizeIs(::testing::Le(5)));
   for (const PlacedStroke& part : parts) {
     std::vector<double> turned;
