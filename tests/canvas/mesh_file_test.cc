@@ -194,7 +194,7 @@ TEST_F(MeshFile, ReadsTheFacesOfAColourThatFacesHave) {
   const std::string obj =
       "mtllib part.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nusemtl a b\nf 1 2 3 4\n"
       "usemtl grey\nf 2 5 3\nusemtl wood\nf 2 5 3\n";
-  for (const std::string file : {write("faces.ply", ply), write("part.obj", obj)}) {
+  for (const std::string& file : {write("faces.ply", ply), write("part.obj", obj)}) {
     SCOPED_TRACE(file);
     EXPECT_NEAR(area(read_mesh(file + "#ff0000", 1.0)), 1.0, 1e-9);
     EXPECT_NEAR(area(read_mesh(file + "#808080", 1.0)), 0.5, 1e-9);

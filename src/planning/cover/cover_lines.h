@@ -61,9 +61,10 @@ std::vector<Eigen::Vector2d> rounded(const std::vector<Eigen::Vector2d>& line, d
 // By how much less than the footprint a promise reaches from its lines: the pad strays [m]. By how
 // much it leans, as a cloud's noise makes it: a place must lie deeper in the foam than that [rad].
 inline constexpr double kAstray = 0.25e-3, kLean = 0.035;
-// Beside a steep border, a place that lies off the surface as it was seen may lie out from under
-// the footprint's rim.
-// Asks for v's place as it is seen, and on either side of that; true if all answers are.
+
+// Asks for v's place as it is seen, and on either side of that; true if all answers are. Beside a
+// steep border, a place that lies off the surface as it was seen may lie out from under the
+// footprint's rim.
 template <class Ask>
 bool wherever_it_lies(const SurfaceGrid& grid, std::size_t v, Ask&& ask) {
   const Eigen::Vector3d p = grid.point(v);

@@ -17,7 +17,7 @@
 
 namespace impedraw {
 
-inline constexpr double kCrawlWindow = 10e-3, kCrawlStep = 1e-3;  // [m]
+inline constexpr double kCrawlWindow = 10e-3, kCrawlStep = 5e-3;  // [m]
 
 struct CrawlingStretch {
   std::size_t stroke = 0;        // in the order of the path
