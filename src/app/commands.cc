@@ -139,7 +139,7 @@ Scenario placed_with_canvas(const Scenario& scenario, const Places& places) {
   }
   if (!found.passes) {  // elsewhere on the object it may be drawn
     try {
-      const SurfacePlace elsewhere = found_on_surface({}, scenario, places);
+      const SurfacePlace elsewhere = found_on_surface({.least = kNearlyAll}, scenario, places);
       if (elsewhere.share >= kNearlyAll) return placed_on_surface(elsewhere);
     } catch (const InputError&) {  // there is no place for it
     }

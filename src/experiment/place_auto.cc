@@ -133,26 +133,29 @@ class Search {
 
   std::vector<Candidate> grid(const std::function<void(double)>& progress) {
     std::vector<Candidate> best;
-    constexpr int kAlong = 10, kAcross = 9, kTurns = 4;
-    const double scale =
-        std::max(1.0, e_.scenario.arm.start_p_WE.x() / ArmSettings().start_p_WE.x());
-    for (int i = 0; i < kAlong; ++i) {
-      if (progress) progress(0.6 * i / kAlong);
-      for (int j = 0; j < kAcross; ++j) {
-        for (int k = 0; k < kTurns; ++k) {
-          Candidate c{scale * Vector2d(0.30 + 0.05 * i, -0.4 + 0.1 * j) - centre_, 90.0 * k};
-          const double least = best.size() < kCandidates ? -std::numeric_limits<double>::infinity()
-                                                         : best.back().margin;
-          c.margin = margin(c, false, least);
-          best.push_back(c);
-          std::sort(best.begin(), best.end(),
-                    [](const Candidate& a, const Candidate& b) { return a.margin > b.margin; });
-          if (best.size() > kCandidates) best.pop_back();
-        }
-      }
-    }
+    for_places(1.0, [&](Candidate c, double done) {
+      if (progress) progress(0.6 * done);
+      const double least =
+          best.size() < kCandidates ? -std::numeric_limits<double>::infinity() : best.back().margin;
+      c.margin = margin(c, false, least);
+      best.push_back(c);
+      std::sort(best.begin(), best.end(),
+                [](const Candidate& a, const Candidate& b) { return a.margin > b.margin; });
+      if (best.size() > kCandidates) best.pop_back();
+      return true;
+    });
     best.push_back({});  // where it stands is a candidate, too
     return best;
+  }
+
+  // True if some place `by` times as far away has a larger margin than `least`.
+  bool has_better(double by, double least) {
+    bool better = false;
+    for_places(by, [&](const Candidate& c, double) {
+      better = margin(c, false, least) > least;
+      return !better;
+    });
+    return better;
   }
 
   // Steps along x, y and turn, halved where none is better.
@@ -179,6 +182,22 @@ class Search {
   }
 
  private:
+  // Calls take(candidate, share done) for places before the arm, `by` times as far away as usual,
+  // in four turns, as long as it returns true.
+  template <class Take>
+  void for_places(double by, Take&& take) const {
+    constexpr int kAlong = 10, kAcross = 9, kTurns = 4;
+    const double scale =
+        by * std::max(1.0, e_.scenario.arm.start_p_WE.x() / ArmSettings().start_p_WE.x());
+    for (int i = 0; i < kAlong; ++i)
+      for (int j = 0; j < kAcross; ++j)
+        for (int k = 0; k < kTurns; ++k)
+          if (!take(
+                  Candidate{scale * Vector2d(0.30 + 0.05 * i, -0.4 + 0.1 * j) - centre_, 90.0 * k},
+                  static_cast<double>(i) / kAlong))
+            return;
+  }
+
   Pose motion(const Candidate& c) const { return turned_about(centre_, c.move, c.turn_deg); }
 
   const PlannedDrawing& e_;
@@ -217,9 +236,10 @@ Scenario moved(const Scenario& given, const Vector2d& move, double turn_deg) {
 
 namespace {
 
-// About the place where the canvas is.
+// About the place where the canvas is. `farther`: loses distances where no posture is better.
 PlacedCanvas place_about(const Scenario& scenario, const Places& places,
-                         const std::function<void(double)>& progress) {
+                         const std::function<void(double)>& progress,
+                         std::vector<double>* farther = nullptr) {
   PreparedPlan e = prepare_plan(scenario, places, Unreachable::tell);
   // The place of a mesh that nobody has placed.
   Scenario given = scenario;
@@ -236,6 +256,10 @@ PlacedCanvas place_about(const Scenario& scenario, const Places& places,
   std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
     return a.lost != b.lost ? a.lost < b.lost : a.margin > b.margin;
   });
+
+  if (farther && found.front().lost > 0.0)
+    std::erase_if(*farther,
+                  [&](double by) { return !search.has_better(by, begun.front().margin); });
 
   // The whole pre-flight, of the best ones: what is lost without obstacles is lost with them.
   PlacedCanvas best;
@@ -265,18 +289,20 @@ PlacedCanvas place_about(const Scenario& scenario, const Places& places,
   return best;
 }
 
-// The first larger distance at which the drawing passes, for an arm too large for the usual place.
+// The first of these larger distances at which the drawing passes, for an arm too large for the
+// usual place.
 std::optional<PlacedCanvas> place_farther(const Scenario& scenario, const Places& places,
+                                          const std::vector<double>& farther,
                                           const std::function<void(double)>& progress) {
   if (scenario.arm.start_p_WE != ArmSettings().start_p_WE) return {};  // a start that was asked for
-  for (std::size_t i = 0; i < std::size(kFarther); ++i) {
-    const double by = kFarther[i];
+  for (std::size_t i = 0; i < farther.size(); ++i) {
+    const double by = farther[i];
     Scenario far = moved(scenario, (by - 1.0) * scenario.drawing.placement.centre_m, 0.0);
     far.arm.start_p_WE *= by;
     if (far.fence.low == FenceSettings().low) far.fence.low *= by;
     if (far.fence.high == FenceSettings().high) far.fence.high *= by;
     const auto tell = [&](double share) {
-      progress((static_cast<double>(i) + share) / static_cast<double>(std::size(kFarther)));
+      progress((static_cast<double>(i) + share) / static_cast<double>(farther.size()));
     };
     try {
       const PlacedCanvas found = place_about(far, places, tell);
@@ -305,11 +331,12 @@ PlacedCanvas place_automatically(const Scenario& scenario, const Places& places,
       if (progress) progress(from + 0.5 * share);
     };
   };
+  std::vector<double> farther(std::begin(kFarther), std::end(kFarther));
   try {
-    const PlacedCanvas near = place_about(scenario, places, half(0.0));
-    return near.passes ? near : place_farther(scenario, places, half(0.5)).value_or(near);
+    const PlacedCanvas near = place_about(scenario, places, half(0.0), &farther);
+    return near.passes ? near : place_farther(scenario, places, farther, half(0.5)).value_or(near);
   } catch (const InputError&) {
-    if (const auto far = place_farther(scenario, places, half(0.5))) return *far;
+    if (const auto far = place_farther(scenario, places, farther, half(0.5))) return *far;
     throw;
   }
 }

@@ -17,6 +17,7 @@ using Eigen::Vector3d;
 constexpr double kTilted = 0.01;                      // what another plane must be better by
 constexpr std::size_t kRefined = 5;                   // places
 constexpr std::size_t kLeant = 4;                     // planes in which it leans
+constexpr double kFurther = 0.1;                      // that refining adds at most, nearly always
 constexpr double kWorthwhile = 0.3;                   // share of the best place in such a plane
 constexpr double kRadian = std::numbers::pi / 180.0;  // of a degree
 
@@ -49,7 +50,7 @@ void refine(SurfacePlace* best, const BenchOf& bench_of) {
       if (k < 4) place.middle[k / 2] += sign * way;
       if (k == 4 || k == 5) place.turn_deg += sign * turn;
       try {
-        SurfacePlace next = k < 6 ? best->bench->at(place)
+        SurfacePlace next = k < 6 ? best->bench->at(place, best->share)
                                   : leant(*best, k / 2 - 3, sign * turn * kRadian, bench_of);
         if (!next.bench) next.bench = best->bench;
         if (next.share > best->share) *best = std::move(next);
@@ -97,13 +98,17 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
     return std::make_shared<PlaceBench>(there, places, wish, level.get());
   };
   std::vector<SurfacePlace> found;
-  const auto look = [&](const std::shared_ptr<PlaceBench>& bench, double from, double to) {
-    found.push_back(bench->best_place(wish, between(from, to), &found));
+  const auto more_than = [&wish](double share) {
+    return SurfaceWish{wish.near, wish.shrink, std::max(wish.least, share)};
+  };
+  const auto look = [&](const std::shared_ptr<PlaceBench>& bench, double from, double to,
+                        double least) {
+    found.push_back(bench->best_place(more_than(least), between(from, to), &found));
     for (SurfacePlace& place : found)
       if (!place.bench) place.bench = bench;
     return found.back();
   };
-  SurfacePlace best = look(level, 0.1, 0.3);
+  SurfacePlace best = look(level, 0.1, 0.3, 0.0);
   const auto goes_on = [&] {
     return best.share < kNearlyAll && scenario.drawing.tilt_deg.isZero();
   };
@@ -112,7 +117,7 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
     for (const Scenario& other : planes) {
       if (!goes_on()) return;
       try {
-        const SurfacePlace there = look(bench_of(other), from, from + 0.03);
+        const SurfacePlace there = look(bench_of(other), from, from + 0.03, best.share);
         if (there.share > best.share + kTilted) best = there;
       } catch (const InputError&) {  // no posture to start from, for example
       }
@@ -123,12 +128,12 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
                         scenario.control.pen_axis.value_or(PenAxis::plan) == PenAxis::plan;
   for (const auto& [leans, of_pen] :
        {std::pair{std::vector{35.0, 65.0}, 20.0}, {std::vector{0.0, 20.0, 50.0, 90.0}, 30.0}}) {
-    if (goes_on()) try_each(level->others(wish, leans));
+    if (goes_on()) try_each(level->others(more_than(best.share), leans));
     if (goes_on() && may_lean) try_each(with_leaning_pen(of_pen, &found));
   }
   sort_by_share(&found);
   for (std::size_t i = 0; i < std::min(found.size(), kRefined) && goes_on(); ++i) {
-    if (found[i].share < kRefinable) break;
+    if (found[i].share < std::max(kRefinable, wish.least - kFurther)) break;
     between(0.8, 1.0)(static_cast<double>(i) / kRefined);
     refine(&found[i], bench_of);
     if (found[i].share > best.share) best = found[i];
@@ -141,7 +146,7 @@ SurfacePlace place_on_surface(const Scenario& scenario, const Places& places,
 std::optional<Eigen::Vector2d> whole_size_mm(const SurfaceWish& wish, const SurfacePlace& found,
                                              const std::function<void(double)>& progress) {
   if (found.share >= kNearlyAll || wish.shrink) return {};
-  const SurfacePlace whole = found.bench->best_place({wish.near, true}, progress);
+  const SurfacePlace whole = found.bench->best_place({wish.near, true, kNearlyAll}, progress);
   if (whole.share < kNearlyAll) return {};
   return whole.size_mm;
 }

@@ -27,8 +27,11 @@ namespace impedraw {
 struct SurfaceWish {
   // The place: "x,y,z" in W [m], or the side front (+x), back (−x), left (+y), right (−y) or top of
   // the object; empty: anywhere.
-  std::string near;
+  std::string near{};
   bool shrink = false;  // the drawing may get smaller, down to a quarter
+  // Share of the drawing from which on a place is of use: where the quick look promises clearly
+  // less, nothing is planned.
+  double least = 0.0;
 };
 
 // Share of a drawing's length: where more of it can be drawn, no better place is looked for.
@@ -87,7 +90,9 @@ class PlaceBench {
   // before costs no time again. `behind`: gets others that were tried, from kRefinable on.
   SurfacePlace best_place(const SurfaceWish& wish, const std::function<void(double)>& progress,
                           std::vector<SurfacePlace>* behind = nullptr);
-  SurfacePlace at(const PlaceFound& place) const;  // without a bench, as best_place()
+  // Without a bench, as best_place(); with a share of 0 where a quick look, if there was one,
+  // promises clearly less than `least`.
+  SurfacePlace at(const PlaceFound& place, double least = 0.0) const;
   // The scenario with other drawing planes, which lean so, and starts of the arm before them, which
   // promise more than what best_place() left of this one; the best first, none without a cloud.
   std::vector<Scenario> others(const SurfaceWish& wish, const std::vector<double>& leans_deg) const;

@@ -143,6 +143,14 @@ TEST_F(PlaceSurface, PutsTheWholeBesideTheHole) {
   EXPECT_EQ(again.drawing.placement.rotate_deg, found.scenario.drawing.placement.rotate_deg);
 }
 
+TEST_F(PlaceSurface, FindsOnlyPlacesOfUse) {
+  const SurfaceWish whole = {.near = "", .shrink = false, .least = kNearlyAll};
+  const SurfacePlace found = place_on_surface(plate(), {}, whole);
+  EXPECT_GE(found.share, kNearlyAll);
+  EXPECT_EQ(found.assignments, place_on_surface(plate(), {}, {}).assignments);
+  EXPECT_THROW(place_on_surface(plate({"drawing.placement.width=400"}), {}, whole), InputError);
+}
+
 TEST_F(PlaceSurface, GoesToTheSideOrPointThatIsAskedFor) {
   const auto at = [&](const std::string& near) {
     const SurfacePlace found = place_on_surface(plate(), {}, {.near = near, .shrink = false});
