@@ -14,11 +14,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTilted = 0.01;                      // what another plane must be better by
-constexpr std::size_t kRefined = 5;                   // places
-constexpr std::size_t kLeant = 4;                     // planes in which it leans
-constexpr double kFurther = 0.1;                      // that refining adds at most, nearly always
-constexpr double kWorthwhile = 0.3;                   // share of the best place in such a plane
+constexpr double kTilted = 0.01;     // what another plane must be better by
+constexpr std::size_t kRefined = 5;  // places
+constexpr std::size_t kLeant = 4;    // planes in which it leans
+constexpr double kFurther = 0.1;     // so far behind what is of use, a place is not refined
+constexpr double kWorthwhile = 0.3;  // share of the best place in such a plane
 constexpr double kRadian = std::numbers::pi / 180.0;  // of a degree
 
 using BenchOf = std::function<std::shared_ptr<PlaceBench>(const Scenario&)>;

@@ -25,8 +25,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kShrink = 0.85, kSmallest = 0.25;
-constexpr int kChecked = 20, kWhole = 3,  // places: checked; that suffice; since the best one, and
-    kInVain = 12, kInVainBehind = 4;      // where another plane has a better one
+constexpr int kChecked = 20, kWhole = 3,
+              kInVain = 12;  // places: checked; that suffice; since the best one
 constexpr double kAll = 0.999, kPromising = 0.95;
 constexpr std::size_t kOthers = 5;  // planes, where the given one does not do
 constexpr double kHopeless = 5.0;   // cost of those that are not tried
@@ -411,9 +411,7 @@ SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
   std::vector<PlaceFound> tried;
   for (double size = 1.0; size >= kSmallest; size *= kShrink) {
     int whole = 0, in_vain = 0;
-    for (int i = 0; i < kChecked && whole < kWhole &&
-                    in_vain < (best.share < wish.least ? kInVainBehind : kInVain);
-         ++i) {
+    for (int i = 0; i < kChecked && whole < kWhole && in_vain < kInVain; ++i) {
       const PlaceFound place = parts.search->best(parts.drawing, size, tried);
       if (!std::isfinite(place.cost)) break;
       // A smaller one will do better.
@@ -442,8 +440,8 @@ SurfacePlace PlaceBench::best_place(const SurfaceWish& wish,
     parts.improve(&best);
     if (!wish.shrink || best.share >= kNearlyAll) break;
   }
-  if (!(best.share > 0.0) &&
-      wish.least == 0.0) {  // the given place, whatever the search thinks of it
+  // The given place, whatever the search thinks of it.
+  if (!(best.share > 0.0) && wish.least == 0.0) {
     best = {given(), parts.placing.at(given())};
     best.share = parts.verdict(best.placement).share;
   }
