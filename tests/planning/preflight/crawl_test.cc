@@ -52,19 +52,6 @@ TEST(Crawl, AStretchIsFoundWhereItIsAndItsNeighboursAreNot) {
   EXPECT_NEAR(found[0].p_W.x(), 0.5 + found[0].slowest, 1e-3);
 }
 
-// Slow at both ends, faster between: 8.2 mm that are slow as a whole, of which no 5 mm are. A
-// stretch without a length would leave nothing out, and be found for ever.
-TEST(Crawl, AStretchHasALength) {
-  const auto slow = [](const PathSpline& spline, std::vector<SpeedSpan>* spans) {
-    slow_between(0.5, 0.6, 17.5e-3)(spline, spans);
-    slow_between(0.5, 0.5007, 7e-3)(spline, spans);
-    slow_between(0.50755, 0.50825, 7e-3)(spline, spans);
-  };
-  const auto found = crawling({surfaces::line({{0.5, 0}, {0.50825, 0}})}, slow);
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_GE(found[0].to - found[0].from, kCrawlStep);
-}
-
 // 2 mm at 12 mm/s: within a window of 10 mm they cost 0.1 s.
 TEST(Crawl, AShortSlowPlaceIsNone) {
   EXPECT_TRUE(
@@ -82,6 +69,22 @@ TEST(Crawl, CornersAreTheLinesOwn) {
   EXPECT_EQ(slow_strokes(path, 10e-3).size(), 1u);
   EXPECT_TRUE(crawling_stretches(path, path, {0}, 10e-3).empty());
   EXPECT_LT(path.mean_speed(), 10e-3);
+}
+
+// A line of 5.2 mm whose middle is slow enough for the whole, though no part of it is by itself
+// once its ends are trimmed: stretches of 36 nm were left out, one in each plan.
+TEST(Crawl, AStretchIsNoShorterThanAStep) {
+  for (const double length : {3e-3, 5.2e-3, 9e-3, 12e-3, 30e-3}) {
+    for (double slow = 0.2e-3; slow < length; slow *= 1.5) {
+      for (const double speed : {1e-3, 4e-3, 7e-3, 9.5e-3}) {
+        SCOPED_TRACE(testing::Message() << length << " m, " << slow << " m at " << speed << " m/s");
+        const double begin = 0.5 + 0.4 * (length - slow);
+        for (const CrawlingStretch& c : crawling({surfaces::line({{0.5, 0}, {0.5 + length, 0}})},
+                                                 slow_between(begin, begin + slow, speed)))
+          EXPECT_GT(c.to - c.from, 0.9 * std::min(kCrawlStep, length));
+      }
+    }
+  }
 }
 
 TEST(Crawl, SlowAndUnhinderedIsNone) {
