@@ -169,14 +169,6 @@ struct PlaceBench::Parts {
     return *search;
   }
 
-  // The share of the drawing that the quick look promises.
-  double promised(const PlaceFound& place) {
-    const auto fine = std::ranges::count_if(drawing, [&](const Vector2d& p) {
-      return looked().trouble(place(p)) == CellTrouble::none;
-    });
-    return static_cast<double>(fine) / static_cast<double>(drawing.size());
-  }
-
   void improve(Checked* best);
   SurfacePlace result(const Checked& found) const;
   double lean(const Vector3d& normal, const SurfaceWish& wish, Scenario* there) const;
@@ -392,7 +384,7 @@ void PlaceBench::Parts::improve(Checked* best) {
         next.place.middle[k / 2] += sign * way;
       else
         next.place.turn_deg += sign * turn;
-      if (promised(next.place) < best->share - kQuickError) continue;
+      if (looked().share(drawing, next.place) < best->share - kQuickError) continue;
       next.placement = placing.at(next.place);
       next.share = verdict(next.placement).share;
       if (next.share > best->share) *best = next;
@@ -465,7 +457,8 @@ SurfacePlace PlaceBench::Parts::result(const Checked& best) const {
 }
 
 SurfacePlace PlaceBench::at(const PlaceFound& place, double least) const {
-  if (parts_->search && parts_->promised(place) < least - kQuickError) return {};
+  if (parts_->search && parts_->search->share(parts_->drawing, place) < least - kQuickError)
+    return {};
   Checked there{place, parts_->placing.at(place)};
   there.share = parts_->verdict(there.placement).share;
   return parts_->result(there);

@@ -69,15 +69,12 @@ class Planning {
           "six joints: with the tool's heading led no motion is left free, so that joints are not "
           "kept from the ends of their ranges, nor from the wrist's singular posture; the plan "
           "leaves out where they would come there");
-    const std::vector<StrokePart> lost = lay_on_surface();
+    const std::vector<StrokePart> lost = lay_on_surface(kHeadingReserve);
     plan_.load = {hardest(s_, artwork_.strokes), s_.control.friction.coefficient,
                   s_.control.torque_share};
     plan_.rest_q = rest_posture(s_.arm, artwork_, requested(), belief_);
     check(lost);
-    if (turns_too_far()) {
-      reserve_ = 0.0;
-      check(lay_on_surface());
-    }
+    if (turns_too_far()) check(lay_on_surface(0.0));
     for (bool done = false; !done;) {
       setting_errors_.locate(placement_setting_names(), [&] { promise(); });
       try {
@@ -117,7 +114,7 @@ class Planning {
 
   PathSettings path_settings() const;
   PreflightSettings preflight_settings() const;
-  std::vector<StrokePart> lay_on_surface();
+  std::vector<StrokePart> lay_on_surface(double reserve);
   void note_roughness();
   std::optional<DrawnPens> drawn_pens() const;
   void require_pen_places() const;
@@ -141,9 +138,8 @@ class Planning {
   bool seen_;
   double wrap_doubt_ = 0.0;  // [m]
   std::vector<std::string> heading_notes_, yaw_notes_;
-  double reserve_ = kHeadingReserve;  // of the range of yaw that lines may use [rad]
-  std::vector<int> of_artwork_;       // the artwork's number of each promised stroke
-  std::vector<double> shares_;        // of each drawable part: what it loses if it is barred
+  std::vector<int> of_artwork_;  // the artwork's number of each promised stroke
+  std::vector<double> shares_;   // of each drawable part: what it loses if it is barred
   Plan plan_;
 };
 
@@ -196,7 +192,8 @@ PreflightSettings Planning::preflight_settings() const {
 }
 
 // Projects or wraps the strokes. Returns the parts without a surface, by the artwork's numbers.
-std::vector<StrokePart> Planning::lay_on_surface() {
+// `reserve`: of the arm's range of yaw, that a led tool's lines may use [rad].
+std::vector<StrokePart> Planning::lay_on_surface(double reserve) {
   WrappedStrokes laid;
   plan_.laid.reset();
   plan_.source.clear();
@@ -210,7 +207,7 @@ std::vector<StrokePart> Planning::lay_on_surface() {
     plan_.laid = std::move(laid.strokes);
   }
   if (const auto& heading = plan_.path_settings.heading)
-    plan_.laid = cut_where_turned(requested(), *heading, reserve_, artwork_.X_WP,
+    plan_.laid = cut_where_turned(requested(), *heading, reserve, artwork_.X_WP,
                                   plan_.path_settings.corner_angle_deg * std::numbers::pi / 180.0,
                                   &yaw_notes_);
   for (const PlacedStroke& stroke : requested()) plan_.source.push_back(stroke.number);
@@ -437,9 +434,7 @@ void Planning::leave_out(const OffSurface& off) {
 // the slowest first, those that are not much slower than their own corners make them.
 bool Planning::leave_out_crawling() {
   constexpr double kCrawling = 2.0 / 3.0, kInHand = 1.2, kRise = 1.25, kBarelySlowed = 1.25;
-  // A stretch crawls that is so many times slower than without the arm's limits. A led tool turns
-  // in each bend.
-  constexpr double kSlowed = 2.0, kTurning = 5.0;
+  constexpr double kTurning = 5.0;  // in place of kSlowed: a led tool turns in each bend
   const double asked = std::min(s_.preflight.least_speed, 0.5 * plan_.path_settings.draw_speed);
   if (!(asked > 0.0)) return false;
   double least = kCrawling * asked;

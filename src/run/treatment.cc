@@ -14,8 +14,7 @@ TreatmentMap::TreatmentMap(SurfaceGrid grid, const PadSettings& pad, double forc
                            double doubt)
     : grid_(std::move(grid)),
       pad_(pad),
-      band_(kBand - doubt),
-      doubts_(doubt > 0.0),
+      doubt_(doubt),
       asked_(force / pad.area()),
       speed_(speed),
       crossing_(2.0 * pad.radius / speed),
@@ -36,7 +35,7 @@ void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& 
     sum_ += dt * pressure;
     sum2_ += dt * pressure * pressure;
   }
-  const bool good = std::abs(mean_ / asked_ - share) <= band_;
+  const bool good = std::abs(mean_ / asked_ - share) <= kBand - doubt_;
   under_.clear();
   const Pose X_EP = X_PE.inverse();
   around(grid_, X_PE.p, pad_.radius + pad_.thickness, [&](std::size_t v) {
@@ -57,10 +56,10 @@ void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& 
   }
   for (const auto& [v, q] : under_) {
     dose_[v] += pad_.stiffness * depth(q) * speed * dt;
-    if (good && (!doubts_ || wherever_it_lies(grid_, v, [&](const Eigen::Vector3d& p) {
-          const Eigen::Vector3d at = X_EP * p;
-          return at.head<2>().norm() <= pad_.radius && depth(at) > 0.0;
-        })))
+    if (good && (doubt_ == 0.0 || wherever_it_lies(grid_, v, [&](const Eigen::Vector3d& p) {
+                   const Eigen::Vector3d at = X_EP * p;
+                   return at.head<2>().norm() <= pad_.radius && depth(at) > 0.0;
+                 })))
       good_[v] += dt;
     if (time - last_[v] > kApart) ++visits_[v];
     last_[v] = time;

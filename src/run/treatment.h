@@ -53,10 +53,8 @@ class TreatmentMap {
 
   SurfaceGrid grid_;
   PadSettings pad_;
-  double band_;  // 1
-  bool doubts_;
-  double asked_, speed_, crossing_;  // [Pa], [m/s], [s]
-  double mean_ = 0.0;                // of the pad's pressure over kMean [Pa]
+  double doubt_, asked_, speed_, crossing_;  // 1, [Pa], [m/s], [s]
+  double mean_ = 0.0;                        // of the pad's pressure over kMean [Pa]
   double last_time_ = -1.0;
   double sum_ = 0.0, sum2_ = 0.0, slid_ = 0.0;
   std::vector<double> dose_, good_, last_;

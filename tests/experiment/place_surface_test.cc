@@ -91,6 +91,7 @@ TEST(PlaceSearch, KeepsOffSteepBrokenAndUnreachableGround) {
   PlaceSearch search(ground, settings);
   const PlaceFound place = search.best(line(), 1.0, {});
   EXPECT_EQ(place.share, 1.0);
+  EXPECT_EQ(search.share(line(), place), 1.0);
   for (const Vector2d& p : line()) EXPECT_LT(place(p).y(), 0.024) << "out of reach";
   // What nobody reaches is behind all others, and yet there.
   std::vector<Vector2d> reached;
@@ -99,6 +100,7 @@ TEST(PlaceSearch, KeepsOffSteepBrokenAndUnreachableGround) {
   search.avoid(reached);
   const PlaceFound there = search.best(line(), 1.0, {place});
   EXPECT_GT(there.middle.y(), 0.0);
+  EXPECT_EQ(search.share(line(), there), there.share) << "out of reach is no trouble of the ground";
   EXPECT_GT(there.cost, place.cost + 2.0);
 }
 

@@ -18,6 +18,7 @@
 namespace impedraw {
 
 inline constexpr double kCrawlWindow = 10e-3, kCrawlStep = 5e-3;  // [m]
+inline constexpr double kSlowed = 2.0;
 
 struct CrawlingStretch {
   std::size_t stroke = 0;        // in the order of the path
@@ -35,6 +36,6 @@ std::vector<std::size_t> slow_strokes(const TipPath& path, double least_speed);
 // that count.
 std::vector<CrawlingStretch> crawling_stretches(const TipPath& path, const TipPath& unhindered,
                                                 const std::vector<std::size_t>& strokes,
-                                                double least_speed, double slowed = 2.0);
+                                                double least_speed, double slowed = kSlowed);
 
 }  // namespace impedraw

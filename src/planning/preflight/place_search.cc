@@ -124,6 +124,12 @@ CellTrouble PlaceSearch::trouble(const Vector2d& p) const {
   return k < cells_.size() ? cells_[k].trouble : CellTrouble::missing;
 }
 
+double PlaceSearch::share(const std::vector<Vector2d>& drawing, const PlaceFound& place) const {
+  const auto bad =
+      std::ranges::count_if(drawing, [&](const Vector2d& p) { return is_bad(at(place(p))); });
+  return 1.0 - static_cast<double>(bad) / static_cast<double>(drawing.size());
+}
+
 PlaceFound PlaceSearch::best(const std::vector<Vector2d>& drawing, double size,
                              const std::vector<PlaceFound>& tried) const {
   const auto is_tried = [&](const PlaceFound& p) {
@@ -147,7 +153,7 @@ PlaceFound PlaceSearch::best(const std::vector<Vector2d>& drawing, double size,
     int bad = 0;
     for (const Vector2d& p : placed) {
       const std::size_t k = at(place.middle + p);
-      const bool out = k == cells_.size() || cells_[k].bad();
+      const bool out = is_bad(k);
       cost += out ? kBadCell + settings_.calm : 0.0;
       if (k < cells_.size()) cost += cells_[k].cost;
       bad += out;

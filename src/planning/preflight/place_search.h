@@ -67,6 +67,9 @@ class PlaceSearch {
   // The trouble that keeps a point of P from being drawn.
   CellTrouble trouble(const Eigen::Vector2d& p) const;
 
+  // PlaceFound::share of any place.
+  double share(const std::vector<Eigen::Vector2d>& drawing, const PlaceFound& place) const;
+
   // The cells, row by row from the box's lowest corner: how many of them along x and y, their side
   // [m], and of each the height of the surface in P [m], NaN where there is none.
   int columns() const { return nx_; }
@@ -82,6 +85,7 @@ class PlaceSearch {
 
  private:
   std::size_t at(const Eigen::Vector2d& p) const;  // cells_.size(): outside
+  bool is_bad(std::size_t cell) const { return cell == cells_.size() || cells_[cell].bad(); }
   void add_edges();
 
   struct Cell {
