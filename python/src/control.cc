@@ -102,6 +102,8 @@ void bind_control(nb::module_& m) {
       .field("joint_limit", &ControlStatus::joint_limit, "within joint_range.margin of a limit")
       .field("surface_lost", &ControlStatus::surface_lost, "contact desired, no surface here")
       .field("damping_limit", &ControlStatus::damping_limit, "the damping is near its limit here")
+      .field("stiff_contact", &ControlStatus::stiff_contact,
+             "the pen would hammer: the arm's own inertia counts")
       .done()
       .def_prop_ro("ok", &ControlStatus::ok, "nothing was met");
   Record<ImpedanceTorque>(m, "ImpedanceTorque", "Result of one step, n joints.")

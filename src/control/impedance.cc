@@ -27,6 +27,7 @@ ImpedanceController::ImpedanceController(const ImpedanceSettings& settings, int 
       range_(settings_),
       contact_(settings_),
       impedance_(settings_),
+      stiff_contact_(settings_),
       push_(settings_),
       friction_(settings_),
       speed_limit_(settings_),
@@ -66,7 +67,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   // The pen's place: Λ and J̄ (8), (16), mode and normal of the contact, M_d and B
   out_.status.near_singular = !space_.update(arm);
   const Contact& contact = contact_.update(in);
-  impedance_.update(space_, contact.n);
+  impedance_.update(space_, contact.n, stiff_contact_.update(contact, F_ext));
 
   // The wishes: F_push, V_d, V̇_d and K e (13)
   const Eigen::Vector3d carried = handover_.carried().head<3>();
@@ -101,6 +102,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
   out_.terms.col(kDisturbance) = disturbance_.compensation(in, space_);
   publish(contact, d, push_.desired());
   out_.status.damping_limit = impedance_.at_limit();
+  out_.status.stiff_contact = stiff_contact_.own() > 0.0;
   out_.status.joint_limit = null_space_.near_range_end();
 
   // Finite inputs can still be invalid: M may not be positive definite.

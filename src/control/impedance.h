@@ -64,6 +64,7 @@
 #include "impedraw/control/null_space.h"
 #include "impedraw/control/speed_limit.h"
 #include "impedraw/control/step_input.h"
+#include "impedraw/control/stiff_contact.h"
 #include "impedraw/control/tip_friction.h"
 #include "impedraw/control/tip_impedance.h"
 #include "impedraw/control/tip_target.h"
@@ -153,6 +154,7 @@ class ImpedanceController {
   JointRange range_;
   SurfaceContact contact_;
   TipImpedance impedance_;
+  StiffContact stiff_contact_;
   NormalPush push_;
   TipFriction friction_;
   SpeedLimit speed_limit_;

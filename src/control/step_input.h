@@ -30,9 +30,10 @@ struct ControlStatus {
   bool joint_limit = false;     // a joint is within joint_range.margin of its limit
   bool surface_lost = false;    // contact is desired but perception has no surface here
   bool damping_limit = false;  // M_d ∝ Λ: max eig(M_d⁻¹B)(Δt + delay) ≥ 0.5 in this posture
+  bool stiff_contact = false;  // the arm's own inertia counts: stiff_contact.h
   bool ok() const {
     return !(bad_input || near_singular || stale_state || stale_wrench || torque_limited ||
-             speed_limited || joint_limit || surface_lost || damping_limit);
+             speed_limited || joint_limit || surface_lost || damping_limit || stiff_contact);
   }
 };
 

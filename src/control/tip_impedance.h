@@ -7,6 +7,8 @@
 //           its C and A are 1/c of those for M_d = Λ.
 //           That of S Λ S is designed with the factor S⁻¹ U.
 // Mapping   F_act = Λ M_d⁻¹ F, which is F/c if M_d = c Λ                            (10)–(11)
+// Stiff     A share s of M_d⁻¹ and of B becomes that of the arm's own inertia: stiff_contact.h. B⁻¹
+//           is then an upper bound, (1 − s) B⁻¹ + s B_Λ⁻¹.
 // Requires  settings that ImpedanceSettings::validate() accepts; `space` updated for this posture,
 //           and then update()
 #pragma once
@@ -36,9 +38,17 @@ class TipImpedance {
     damping_ = diagonal_damping(K_damping_, settings_.shaped_inertia, settings_.damping_ratio);
     follow_ = damping_.inverse();
   }  // K
-  // Designs B for this posture and the normal n.
-  void update(const OperationalSpace& space, const Eigen::Vector3d& n_W) noexcept {
+  // Designs B for this posture and the normal n. own: s
+  void update(const OperationalSpace& space, const Eigen::Vector3d& n_W,
+              double own = 0.0) noexcept {
     n_ = n_W;
+    own_ = own;
+    if (own_ > 0.0) {
+      U_ = space.inverse_inertia_factor();
+      U_inverse_ = space.inertia_factor();
+      own_damping_.design(U_, K_damping_.linear.matrix(n_), K_damping_.angular.matrix(n_),
+                          settings_.damping_ratio);
+    }
     if (shaped_) return;
     factor_ = space.inverse_inertia_factor();
     factor_inverse_ = space.inertia_factor();
@@ -55,14 +65,30 @@ class TipImpedance {
 
   const TipGain& stiffness() const noexcept { return settings_.stiffness; }  // K
   Vector6 damp(const Vector6& V) const noexcept {
-    if (shaped_) return damping_.apply(n_, V);
-    return std::sqrt(scale_) * modal_.apply(factor_inverse_, V);
+    const Vector6 F = shaped_ ? damping_.apply(n_, V)
+                              : Vector6(std::sqrt(scale_) * modal_.apply(factor_inverse_, V));
+    return own_ > 0.0 ? mixed(F, own_damping_.apply(U_inverse_, V)) : F;
   }  // B V
   Vector6 follow(const Vector6& F) const noexcept {
-    if (shaped_) return follow_.apply(n_, F);
-    return modal_.solve(factor_, F) / std::sqrt(scale_);
+    const Vector6 V =
+        shaped_ ? follow_.apply(n_, F) : Vector6(modal_.solve(factor_, F) / std::sqrt(scale_));
+    return own_ > 0.0 ? mixed(V, own_damping_.solve(U_, F)) : V;
   }  // B⁻¹ F
   Vector6 to_arm(const OperationalSpace& space, const Vector6& F) const noexcept {
+    const Vector6 F_act = as_set(space, F);
+    return own_ > 0.0 ? mixed(F_act, F) : F_act;
+  }  // Λ M_d⁻¹ F
+
+  // max eig(M_d⁻¹ B) (Δt + delay) ≥ kDampingLimit in this posture. False if shaped: the set-up has
+  // checked that.
+  bool at_limit() const noexcept { return at_limit_; }
+
+ private:
+  Vector6 mixed(const Vector6& set, const Vector6& own) const noexcept {
+    return (1.0 - own_) * set + own_ * own;
+  }
+  // Λ M_d⁻¹ F with s = 0.
+  Vector6 as_set(const OperationalSpace& space, const Vector6& F) const noexcept {
     if (shaped_) return space.inertia() * mobility_.apply(n_, F);
     if (lighter_ == 0.0) return F / scale_;
     // Λ S⁻¹ Λ⁻¹ (S⁻¹ F)
@@ -71,13 +97,8 @@ class TipImpedance {
     out += lighter_ * space.inertia().leftCols<3>() * n_ *
            n_.dot((space.inverse_inertia().topRows<3>() * out).eval());
     return out;
-  }  // Λ M_d⁻¹ F
+  }
 
-  // max eig(M_d⁻¹ B) (Δt + delay) ≥ kDampingLimit in this posture. False if shaped: the set-up has
-  // checked that.
-  bool at_limit() const noexcept { return at_limit_; }
-
- private:
   ImpedanceSettings settings_;
   bool shaped_;
   double scale_;       // c of M_d = c Λ
@@ -86,6 +107,9 @@ class TipImpedance {
   TipGain mobility_, damping_, follow_;  // M_d⁻¹, B and B⁻¹ if shaped
   ModalDamping modal_;                   // B otherwise
   Matrix6 factor_, factor_inverse_;      // S⁻¹ U and its inverse
+  double own_ = 0.0;                     // s
+  ModalDamping own_damping_;             // B_Λ
+  Matrix6 U_, U_inverse_;                // of B_Λ
   Eigen::Vector3d n_ = Eigen::Vector3d::UnitZ();
   bool at_limit_ = false;
 };

@@ -18,7 +18,7 @@ void count_status(const ControlStatus& status, double dt, std::map<std::string, 
       {"stale_wrench", status.stale_wrench},     {"near_singular", status.near_singular},
       {"torque_limited", status.torque_limited}, {"speed_limited", status.speed_limited},
       {"joint_limit", status.joint_limit},       {"surface_lost", status.surface_lost},
-      {"damping_limit", status.damping_limit}};
+      {"damping_limit", status.damping_limit},   {"stiff_contact", status.stiff_contact}};
   for (const auto& [name, set] : all)
     if (set) (*met)[name] += dt;
 }

@@ -59,6 +59,35 @@ TEST(TipImpedance, EveryModeHasTheDampingRatioAndForcesReachTheDesiredInertia) {
   }
 }
 
+// Under a stiff contact: s of M_d⁻¹ and of B are those of the arm's own inertia.
+TEST(TipImpedance, AShareIsTheArmsOwn) {
+  constexpr double kOwn = 0.75;
+  ImpedanceSettings natural;
+  natural.inertia = InertiaShaping::natural;
+  for (const InertiaShaping inertia :
+       {InertiaShaping::scaled, InertiaShaping::shaped, InertiaShaping::light_normal}) {
+    ImpedanceSettings s;
+    s.inertia = inertia;
+    s.inertia_scale = 0.4;
+    TipImpedance impedance(s), light(s), own(natural);
+    AnyArm any(4);
+    const ArmTerms arm = any.terms();
+    const Vector3d n = any.direction();
+    OperationalSpace space;
+    space.update(arm);
+    impedance.update(space, n, kOwn);
+    light.update(space, n);
+    own.update(space, n);
+    const Vector6 F = any.wrench(5.0);
+    const auto mixed = [&](const Vector6& a, const Vector6& b) -> Vector6 {
+      return (1.0 - kOwn) * a + kOwn * b;
+    };
+    EXPECT_LT((impedance.to_arm(space, F) - mixed(light.to_arm(space, F), F)).norm(), 1e-9);
+    EXPECT_LT((impedance.damp(F) - mixed(light.damp(F), own.damp(F))).norm(), 1e-9);
+    EXPECT_LT((impedance.follow(F) - mixed(light.follow(F), own.follow(F))).norm(), 1e-9);
+  }
+}
+
 TEST(TipImpedance, ReportsDampingThatTheSampledLoopDoesNotBear) {
   ImpedanceSettings s;
   s.inertia = InertiaShaping::natural;
