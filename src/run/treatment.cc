@@ -38,9 +38,12 @@ void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& 
   const bool good = std::abs(mean_ / asked_ - share) <= kBand - doubt_;
   under_.clear();
   const Pose X_EP = X_PE.inverse();
+  const Eigen::Vector3d up = -X_PE.R.col(2);
   around(grid_, X_PE.p, pad_.radius + pad_.thickness, [&](std::size_t v) {
     const Eigen::Vector3d q = X_EP * grid_.point(v);
-    if (q.head<2>().norm() <= pad_.radius) under_.emplace_back(v, q);
+    if (q.head<2>().norm() > pad_.radius) return;
+    const double facing = up.z() - up.head<2>().dot(grid_.slope(v));
+    under_.push_back({v, q, grid_.step * grid_.step * std::max(0.0, facing)});
   });
   const Eigen::Vector3d along =
       speed > 0.0 ? Eigen::Vector3d(X_EP.R * v_P / speed) : Eigen::Vector3d::Zero();
@@ -52,9 +55,9 @@ void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& 
   for (std::size_t before = 0; before != under_.size() && !under_.empty();) {
     before = under_.size();
     lies = lying(force, along);
-    std::erase_if(under_, [&](const auto& place) { return !(depth(place.second) > 0.0); });
+    std::erase_if(under_, [&](const Place& place) { return !(depth(place.q) > 0.0); });
   }
-  for (const auto& [v, q] : under_) {
+  for (const auto& [v, q, area] : under_) {
     dose_[v] += pad_.stiffness * depth(q) * speed * dt;
     if (good && (doubt_ == 0.0 || wherever_it_lies(grid_, v, [&](const Eigen::Vector3d& p) {
                    const Eigen::Vector3d at = X_EP * p;
@@ -69,10 +72,10 @@ void TreatmentMap::press(const Pose& X_PE, double force, const Eigen::Vector3d& 
 Eigen::Vector3d TreatmentMap::lying(double force, const Eigen::Vector3d& along) const {
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  for (const auto& [v, q] : under_) {
+  for (const auto& [v, q, area] : under_) {
     const Eigen::Vector3d row(1.0, q.x(), q.y());
-    A += grid_.area[v] * row * row.transpose();
-    b += grid_.area[v] * q.z() * row;
+    A += area * row * row.transpose();
+    b += area * q.z() * row;
   }
   const double lever = pad_.friction * (pad_.thickness + pad_.pivot - pad_.rest);
   b += force / pad_.stiffness * Eigen::Vector3d(1.0, lever * along.x(), lever * along.y());

@@ -5,15 +5,15 @@
 //   Σ p dA = f,  and of a pad with joints  Σ p (x, y) dA = μ f L v̂                  d [m], t [rad]
 //   dose = ∫ p v dt      Preston: what is removed is k times this, k of the material    [Pa m]
 //
-// (x, y, z)_i: of the place in E; t = 0 about axes without a joint. L: from the joints' centre to
-// the surface: friction makes the disc lean forward. The force tells how deep the foam is pressed,
-// and the joints how it lies, wherever the grid believes that the surface lies.
+// (x, y, z)_i: of the place in E; t = 0 about axes without a joint. dA: of the disc, not of the
+// surface: a steep wall under the disc has a large area and bears no more for it. L: from the
+// joints' centre to the surface: friction makes the disc lean forward. The force tells how deep the
+// foam is pressed, and the joints how it lies, wherever the grid believes that the surface lies.
 //
 // A place is treated once it was pressed for kShare of the time in which a footprint passes over
 // it, while the pad's mean pressure, over kMean, was within kBand of the one asked for.
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "impedraw/common/pose.h"
@@ -59,9 +59,14 @@ class TreatmentMap {
   double sum_ = 0.0, sum2_ = 0.0, slid_ = 0.0;
   std::vector<double> dose_, good_, last_;
   std::vector<int> visits_;
-  // Vertices under the pad, in E [m].
-  std::vector<std::pair<std::size_t, Eigen::Vector3d>> under_;
-  // (d, t) of those vertices: `along`: v̂ in E.
+  // A vertex under the pad; its place is in E [m], its area that of its part of the disc [m²].
+  struct Place {
+    std::size_t v;
+    Eigen::Vector3d q;
+    double area;
+  };
+  std::vector<Place> under_;
+  // (d, t) of those places: `along`: v̂ in E.
   Eigen::Vector3d lying(double force, const Eigen::Vector3d& along) const;
 };
 

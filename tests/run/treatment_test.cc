@@ -102,6 +102,32 @@ TEST(TreatmentMap, KnowsAsTreatedOnlyWhatIsSoWhereverItLies) {
   EXPECT_GT(area, 0.0);
 }
 
+// The side of a step beside the pad's middle: one row of the grid, 1 mm deep, with all of its area.
+TEST(TreatmentMap, AWallBearsNoMoreThanItsPartOfTheDisc) {
+  const TreatmentMap level = after_a_line(0.0);
+  SurfaceGrid g = level.grid();
+  constexpr int kWall = 40;
+  constexpr double kDeep = 1e-3;  // [m]
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    if (g.j_of(v) < kWall) continue;
+    g.z[v] = g.j_of(v) == kWall ? -kDeep : -8e-3;
+    if (g.j_of(v) == kWall) g.area[v] *= 30.0;
+  }
+  PadSettings pad;
+  pad.rest = kForce / (pad.stiffness * pad.area());
+  TreatmentMap map(g, pad, kForce, kSpeed);
+  const Eigen::AngleAxisd down(std::numbers::pi, Eigen::Vector3d::UnitX());
+  for (double t = 0.0; t < 1.0; t += kDt)
+    map.press({{-0.05 + kSpeed * t, 0.0, 0.0}, down.toRotationMatrix()}, kForce, {kSpeed, 0.0, 0.0},
+              t, kDt);
+  const double r = pad.radius, wall = g.plane(g.index(0, kWall)).y(),
+               row = 2.0 * std::sqrt(r * r - wall * wall) * g.step, half = std::acos(wall / r),
+               beyond = r * r * (half - std::sin(half) * std::cos(half)) - 0.5 * row,
+               depth = (pad.rest * pad.area() + kDeep * row) / (pad.area() - beyond);
+  const std::size_t middle = g.index(50, 30);
+  EXPECT_NEAR(map.dose(middle) / level.dose(middle), depth / pad.rest, 0.02);
+}
+
 TEST(TreatmentMap, HasTheDoseOfADisc) {
   const TreatmentMap map = after_a_line(0.0);
   const SurfaceGrid& g = map.grid();

@@ -345,7 +345,7 @@ std::vector<char> surely_pressed(const SurfaceGrid& g, const std::vector<Line>& 
     const PressedFoot pressed = feet.at(g, p);
     const double radius = feet.foot().radius;
     around(g, g.lifted(p), kWider * radius, [&](std::size_t v) {
-      if (!places[v])
+      if (!places[v] && g.known[v])
         places[v] = wherever_it_lies(g, v, [&](const Eigen::Vector3d& at) {
           const double off = pressed.off_axis(at);
           return off <= radius - kAstray && pressed.depth(at) > kLean * off;

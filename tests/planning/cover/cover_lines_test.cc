@@ -80,6 +80,17 @@ TEST(SurelyPressed, LeavesOutWhatTheFoamDoesNotTouch) {
   }
 }
 
+// A height that is continued into what was not seen is no place to promise.
+TEST(SurelyPressed, LeavesOutWhatIsNotKnown) {
+  SurfaceGrid g = grid_of(slope(0.0));
+  const std::size_t unseen = g.index(g.nx / 2, g.ny / 2);
+  g.known[unseen] = 0;
+  const std::vector<char> pressed =
+      surely_pressed(g, {{{-0.05, 0.0}, {0.05, 0.0}}}, PressedFeet(g, wish().footprint));
+  EXPECT_FALSE(pressed[unseen]);
+  EXPECT_TRUE(pressed[unseen + 1]);
+}
+
 TEST(SurfaceDistance, OnASlopeOf45Degrees) {
   const SurfaceGrid g = grid_of(slope(45.0));
   const std::vector<double> T = distance_across(g, {0.0, 0.0}, {1.0, 0.0});
