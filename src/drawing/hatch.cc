@@ -155,6 +155,7 @@ std::vector<HatchLine> page_rings(const Outlines& region, HatchStyle style, doub
 namespace {
 
 constexpr double kShortestPart = 1e-5;  // [mm]
+constexpr double kNearlyFull = 0.75;    // tone of an even area from which it has all lines
 constexpr double kInset = 0.25;  // of joined lines from the outline: half a pen [mm on the canvas]
 constexpr double kJoin = 3.0;    // longest way from inset to inset, and where tones vary [spacings]
 constexpr double kBend = 2.0;    // between points of a line that follows the surface [mm there]
@@ -236,7 +237,8 @@ std::vector<Stroke> hatch(const Area& area, const std::vector<HatchFrame>& frame
   const bool rings = settings.style != HatchStyle::boustrophedon, even = !area.tone_at;
   const bool short_joins = settings.style == HatchStyle::contour_parallel || !even;
   if (!(area.tone > 0)) return strokes;
-  const double full = settings.spacing_mm / scale, spacing = even ? full / area.tone : full,
+  const double full = settings.spacing_mm / scale,
+               spacing = even && area.tone < kNearlyFull ? full / area.tone : full,
                inset = std::min(settings.spacing_mm / 2, kInset) / scale;
   for (const HatchFrame& frame : frames) {
     const AreaInFrame t = in_frame(frame, area);

@@ -27,7 +27,6 @@ constexpr double kSameLineMm = 0.1;   // and at most
 constexpr double kSeconds = 12;       // of CPU time to find what is hidden
 constexpr std::size_t kMostPens = 8;  // colours that become layers by themselves
 constexpr unsigned kWhite = 250;      // least red, green and blue of white
-constexpr double kNearlyFull = 0.75;  // tone of an even fill from which it has all lines
 constexpr double kSamePage = 1e-4;    // of a white page's edge to the page's, of its diagonal
 
 bool has_area(const std::vector<Vector2d>& line) {
@@ -409,7 +408,6 @@ class SvgReading {
     }
     const double around = opacity_around(paint, painting_.groups);
     paint.area.tone = around * ink_share(tint_of(path.fill, paint.opacity));
-    if (paint.area.tone >= kNearlyFull) paint.area.tone = 1;
     if (paint.shaded)
       paint.area.tone_at = [shade = paint.shade, around](const Vector2d& p) {
         return around * ink_share(shade(p, false));

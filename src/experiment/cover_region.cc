@@ -35,12 +35,16 @@ CoverRegion region_of(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP)
   if (lower_extension(s.cover.region) != ".svg")
     throw InputError(s.cover.region.string() + ": valid is an .svg with filled areas, or a mesh " +
                      "with a colour of six hexadecimal digits, as part.ply#c01020");
-  Artwork artwork =
-      read_artwork(s.cover.region, {.visible = s.drawing.visible, .layers = s.drawing.layers});
+  Artwork artwork = read_artwork(
+      s.cover.region,
+      {.may_be_empty = true, .visible = s.drawing.visible, .layers = s.drawing.layers});
   if (!s.drawing.layer.empty()) choose_layers(artwork, s.drawing.layer);
+  std::vector<std::string>& left_out = artwork.warnings;
+  std::erase_if(left_out, [](const std::string& w) { return w.find("lines ") != w.npos; });
   if (artwork.areas.empty())
-    throw InputError(fmt::format("{}: has no filled area to cover; valid is an SVG with one",
-                                 s.cover.region.string()));
+    throw InputError(fmt::format("{}: has no filled area to cover{}; valid is an SVG with one",
+                                 s.cover.region.string(),
+                                 left_out.empty() ? "" : " (" + left_out.front() + ")"));
   // A region has a middle, unlike the shape that this drawing would be without it.
   PlacementSettings placing = placement_settings(s.drawing);
   placing.about_page_origin = s.drawing.placement.about_page_origin;
@@ -59,7 +63,8 @@ CoverRegion region_of(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP)
     for (std::size_t v = 0; v < g.size(); ++v) {
       if (!index.inside(page[v])) continue;
       region.inside[v] = 1;
-      region.tones[v] = area.tone_at ? area.tone_at(page[v]) : area.tone;
+      const double tone = area.tone_at ? area.tone_at(page[v]) : area.tone;
+      region.tones[v] += (1.0 - region.tones[v]) * tone;
     }
   }
   return region;

@@ -179,7 +179,7 @@ TEST_F(CommandLine, DrawingWhereItCannotBe) {
         {"draw", "--set", "canvas.cap.centre=[1.8, 0, 0.4]", "--set",
          "drawing.placement.centre=[1.8, 0]", "--set", "perception.region_upper=[2.5, 0.3, 0.35]",
          "--set", std::string("perception.enabled=") + blind},
-        {"stroke 0 leaves the arm's reach: the pen stays ", "world (1.", "mm"});
+        {"stroke 0 leaves the arm's reach: the tip stays ", "world (1.", "mm"});
 }
 
 TEST_F(CommandLine, SettingsThatDoNotGoTogether) {
@@ -331,12 +331,12 @@ TEST_F(CommandLine, HatchesAloneArePreviewedWhereLinesAreHidden) {
 // Of a picture that a pen cannot draw, all three commands say so in the same words.
 TEST_F(CommandLine, PlanDrawAndInspectTellTheSameOfAFile) {
   const std::vector<std::string> lost = {
-      "1 × <image>: pictures are left out: a pen draws lines only",
+      "1 × <image>: pictures are left out: only paths and shapes are read",
       "1 × <use> refers to '#gone', which the file does not hold: left out",
       "1 shapes are left out: hidden, or wholly transparent",
       "2.9 mm of lines are hidden by fills, wide strokes, clip paths, masks or the page's edge: "
       "left out",
-      "1 shapes or groups are partly transparent: drawn as if they were not"};
+      "1 shapes or groups are partly transparent: their lines are drawn as if they were not"};
   write("a.svg", R"svg(<svg xmlns="http://www.w3.org/2000/svg" width="120mm" height="120mm"
       viewBox="0 0 120 120"><image width="9" height="9" href="photo.png"/><use href="#gone"/>
       <clipPath id="c"><circle r="90"/></clipPath>

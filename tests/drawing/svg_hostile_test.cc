@@ -49,7 +49,7 @@ TEST(SvgHostile, NothingToDrawSaysSo) {
   EXPECT_EQ(message(kHead + "</svg>"), "a.svg: has nothing to draw: no visible path or shape");
   EXPECT_EQ(message(kHead + "<image/></svg>"),
             "a.svg: has nothing to draw: no visible path or shape (1 × <image>: pictures are "
-            "left out: a pen draws lines only)");
+            "left out: only paths and shapes are read)");
 }
 
 TEST(SvgHostile, FilesThatAreNot) {

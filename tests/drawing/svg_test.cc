@@ -357,7 +357,7 @@ TEST(Svg, WhatIsLeftOutIsTold) {
   ASSERT_EQ(a.dashes.size(), 1u);
   EXPECT_EQ(a.strokes.at(0).dash, 0);
   EXPECT_EQ(a.dashes[0].lengths, (std::vector<double>{1, 2}));
-  EXPECT_EQ(a.warnings[0], "1 × <image>: pictures are left out: a pen draws lines only");
+  EXPECT_EQ(a.warnings[0], "1 × <image>: pictures are left out: only paths and shapes are read");
   EXPECT_EQ(a.strokes.size(), 1u);
   EXPECT_TRUE(stroked("<line x2='5' y2='5'/>").warnings.empty());
   const Artwork cut = stroked("<path d='M0 0 L 10 0 X 5 5'/>");  // up to the fault, as SVG has it
@@ -375,7 +375,7 @@ TEST(Svg, FiltersAndOpacityAreTold) {
           .warnings,
       (std::vector<std::string>{
           "1 blurred shapes have no edge: drawn only where something cuts them",
-          "2 shapes or groups are partly transparent: drawn as if they were not"}));
+          "2 shapes or groups are partly transparent: their lines are drawn as if they were not"}));
   const std::string shadow = "<filter id='f'><feDropShadow/></filter>";
   EXPECT_EQ(on_mm_page(shadow + line + "filter='url(#f)'/>").warnings,
             (std::vector<std::string>{"1 filters (shadow, light and the like) are passed over"}));
@@ -430,7 +430,7 @@ TEST(Svg, NothingIsLostInSilence) {
        {"2 × <animate>: animations are left out: drawn as it is without them"}},
       {"<image width='9' height='9' href='data:image/png;base64,AAAA'/>",
        40,
-       {"1 × <image>: pictures are left out: a pen draws lines only"}},
+       {"1 × <image>: pictures are left out: only paths and shapes are read"}},
       {"<style>.h{display:none}</style><g class='h'>" + box + "/></g>", 40, {hidden}},
       {"<g style='display:none'>" + box + "/></g>", 40, {hidden}},
       {box + "opacity='0'/>", 40, {hidden}},
@@ -439,7 +439,7 @@ TEST(Svg, NothingIsLostInSilence) {
       {"<defs display='none'>" + box + "/></defs><path d='M0 0h9' fill='none'/>", 40, {}},
       {box + "opacity='.3'/>",
        80,
-       {"1 shapes or groups are partly transparent: drawn as if they were not"}},
+       {"1 shapes or groups are partly transparent: their lines are drawn as if they were not"}},
       {"<style>@import url(a.css);</style>", 40, {"a style sheet outside of the file is not read"}},
   };
   for (const auto& c : cases) {

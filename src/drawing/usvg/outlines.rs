@@ -162,7 +162,7 @@ impl Outlines {
         outlines.named = marked.named;
         outlines.marked = marked;
         for (tags, consequence) in [
-            (&["image"][..], "pictures are left out: a pen draws lines only"),
+            (&["image"][..], "pictures are left out: only paths and shapes are read"),
             (&["animate", "animateTransform", "animateMotion", "animateColor", "set"], "animations are left out: drawn as it is without them"),
         ] {
             match tags.iter().map(|tag| document::count(&xml, tag)).sum() {
@@ -255,7 +255,7 @@ impl Outlines {
             self.warnings.push(format!("{} shapes are drawn that a missing or empty filter would hide", self.spared));
         }
         if self.faint > 0 {
-            self.warnings.push(format!("{} shapes or groups are partly transparent: drawn as if they were not", self.faint));
+            self.warnings.push(format!("{} shapes or groups are partly transparent: their lines are drawn as if they were not", self.faint));
         }
     }
 

@@ -129,13 +129,13 @@ void PostureCheck::say_unreached(const PenPlacement& pen, const IkResult& found,
   if (at_limit >= 0 && stays < 0.5) {
     posture->problem = Problem::joint_limit;
     posture->text =
-        fmt::format("joint {} at its limit of {:.2f} rad, the pen stays {:.0f} mm and {:.0f}° off",
+        fmt::format("joint {} at its limit of {:.2f} rad, the tip stays {:.0f} mm and {:.0f}° off",
                     at_limit + 1, found.q[at_limit], mm, degrees);
   } else {
     posture->problem = Problem::out_of_reach;
     posture->text = degrees < 1
                         ? fmt::format("{:.0f} mm too far", mm)
-                        : fmt::format("the pen stays {:.0f} mm and {:.0f}° off", mm, degrees);
+                        : fmt::format("the tip stays {:.0f} mm and {:.0f}° off", mm, degrees);
   }
 }
 
@@ -194,7 +194,7 @@ void PostureCheck::examine(const PenPlacement& pen, Posture* posture) {
   if (settings_.height_error) shaft.gap -= settings_.height_error(terms_.X_WE.p);
   if (shaft.gap < 0)
     report(Problem::pen_collision, -shaft.gap,
-           fmt::format("the pen {:.0f} mm above its tip is {:.1f} mm too near the {}",
+           fmt::format("the tool {:.0f} mm above its tip is {:.1f} mm too near the {}",
                        1e3 * shaft.above_tip, -1e3 * shaft.gap, shaft.obstacle));
 }
 

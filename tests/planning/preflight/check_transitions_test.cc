@@ -45,7 +45,7 @@ TEST(PreflightWays, AWallOnTheWayIsSaidOfTheStrokeBehindIt) {
   EXPECT_EQ(findings[0].part.stroke, 7);
   EXPECT_NEAR(findings[0].part.length(), 0.04, 1e-12);
   EXPECT_EQ(findings[0].problem, Problem::pen_collision);
-  EXPECT_EQ(findings[0].text.find("on the way there: the pen"), 0u) << findings[0].text;
+  EXPECT_EQ(findings[0].text.find("on the way there: the tool"), 0u) << findings[0].text;
   EXPECT_NEAR(findings[0].p_W.y(), -0.02, 0.011);
 }
 

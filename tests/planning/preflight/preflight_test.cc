@@ -112,7 +112,7 @@ TEST_F(PreflightTest, NarrowedJointEndsTheStroke) {
                reach2 = 0.42 * 0.42 + 0.40 * 0.40 + 2 * 0.42 * 0.40 * std::cos(angle);
   const double x = std::sqrt(reach2 - std::pow(0.1 + 0.246 - 0.36, 2));
   EXPECT_NEAR(0.72 - done.drawable.at(0).to, x, 3e-4);
-  EXPECT_EQ(done.findings[0].text.find("joint 4 at its limit of -1.50 rad, the pen stays"), 0u)
+  EXPECT_EQ(done.findings[0].text.find("joint 4 at its limit of -1.50 rad, the tip stays"), 0u)
       << done.findings[0].text;
   EXPECT_NEAR(done.margins.joint, margin, 1e-3);
   // Everything up to the limit is reached; only the margin is zero.
@@ -168,7 +168,7 @@ TEST_F(PreflightTest, PenStopsShortOfAWall) {
       check({surfaces::line({{0.60, 0}, {0.66, 0}})}, surfaces::flat(0.1), &wall);
   ASSERT_EQ(problems(done), std::vector{Problem::pen_collision});
   EXPECT_NEAR(done.drawable.at(0).to, 0.05, settings.edge_tolerance + 5e-5);
-  EXPECT_NE(done.findings[0].text.find("the pen "), std::string::npos);
+  EXPECT_NE(done.findings[0].text.find("the tool "), std::string::npos);
   EXPECT_NE(done.findings[0].text.find("too near the canvas"), std::string::npos);
   // A higher one keeps the flange away, which is wider.
   const Canvas high(surfaces::wall(0.66, 0.5, 0, 0.8));
