@@ -61,12 +61,15 @@ Scenario scenario_of(DrawOptions options, const JudgeForceOptions& judged, Place
     SettingErrors(*places).raise({"tool.kind"},
                                  "tool.kind: judge-force judges a pen's force; valid is pen");
   s.perception.enabled = false;
+  // The scenario's drawing is planned, and not drawn.
+  const Eigen::Vector3d middle_W = Workpiece().p_W + s.canvas.move;
+  s.drawing.placement.centre_m = middle_W.head<2>();
+  s.drawing.skip_unreachable = true;
   s.canvas.motion = {};
   s.pushes.clear();
   s.faults.clear();
   if (places->of("arm.start").starts_with("default"))
-    s.arm.start_p_WE = Workpiece().p_W + s.canvas.move +
-                       (ForceProgramme::kHover + 0.01) * Eigen::Vector3d::UnitZ();
+    s.arm.start_p_WE = middle_W + (ForceProgramme::kHover + 0.01) * Eigen::Vector3d::UnitZ();
   return s;
 }
 

@@ -68,6 +68,16 @@ TEST_F(JudgeForce, TwoIntoOneFolderAreRefused) {
   EXPECT_NE(first.wait().code, 0);
 }
 
+// Its workpiece goes with the canvas. The scenario's drawing would lie off that.
+TEST_F(JudgeForce, FollowsACanvasThatWasMoved) {
+  const Ended ended = call({"--cases", "hold-still", "--runs", "1", "--controllers", "ours",
+                            "--set", "canvas.move=[0.05,0.12,0.05]", "--out", "out"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const auto json = nlohmann::json::parse(content_of(folder_ / "out/force.json"));
+  const auto& ours = json["cases"][0]["controllers"][0];
+  EXPECT_LT(ours["worst"]["steady_error"].get<double>(), 0.1);
+}
+
 TEST_F(JudgeForce, NamesWhatIsWrong) {
   const std::pair<Words, const char*> cases[] = {
       {{"--cases", "stepps"}, "steps"},
