@@ -230,10 +230,32 @@ void require_own_settings(const ToolSettings& tool, const Places& places) {
                   wrong, own.name, instead, fmt::join(owners, ", ")));
 }
 
+namespace {
+
+// Friction μ F at the lever L from the joints' centre to the surface moves the middle of the
+// pressure by μ L, which lifts the face's rim from r/4 on. With half as much again the pad still
+// treats evenly; with twice as much it slides on its edge.
+void require_level(const PadSettings& pad, double friction, const SettingErrors& errors) {
+  constexpr double kMostLean = 1.5;
+  const double foam = pad.thickness - pad.rest, lever = foam + pad.pivot,
+               most = kMostLean * pad.radius / (4.0 * friction);
+  if (pad.joints == 0 || std::abs(lever) <= most) return;
+  errors.raise(
+      {"tool.pivot", "tool.joints", "tool.radius"},
+      fmt::format("tool.pivot: a pad of {:.1f} mm with joints {:.1f} mm {} the surface slides on "
+                  "its edge, by control.friction {:.3g}; valid is tool.pivot from {:.4f} to {:.4f} "
+                  "m, tool.joints: 0, or a larger pad",
+                  2e3 * pad.radius, 1e3 * std::abs(lever), lever > 0.0 ? "above" : "below",
+                  friction, -most - foam, most - foam));
+}
+
+}  // namespace
+
 void require_foam(const Scenario& s, const SettingErrors& errors) {
   constexpr double kMostPressed = 0.85;  // of the foam's thickness; more of it counts as a wall
   const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);
   const double share = pad ? pad->rest / (kMostPressed * pad->thickness) : 0.0;
+  if (pad && share <= 1.0) require_level(*pad, s.control.friction.coefficient, errors);
   if (share <= 1.0) return;
   errors.raise(
       {"tool.radius", "tool.foam_stiffness", "control.normal_force", "tool.kind"},

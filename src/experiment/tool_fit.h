@@ -20,7 +20,8 @@ void require_fit(const Scenario& scenario, const Plan& plan, const SurfaceHeight
 // instead.
 void require_own_settings(const ToolSettings& tool, const Places& places);
 
-// Throws InputError where the force presses a pad's foam nearly flat.
+// Throws InputError where the force presses a pad's foam nearly flat, or where friction turns a pad
+// with joints onto its edge.
 void require_foam(const Scenario& scenario, const SettingErrors& setting_errors);
 
 // The heading that a plan asks of a blade or a roller, and of the arm that turns it.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "impedraw/experiment/cover.h"
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/plan_summary.h"
 
@@ -76,6 +77,7 @@ Promise promise_of(const PlannedDrawing& e, const Truth& truth, const TargetLine
     p.lengths[name_of(f.problem)] += f.part.length();
   }
   p.asks_ink = touches(e.scenario);
+  if (const auto pad = covering(e.scenario); pad && pad->joints > 0) p.face = pad->radius;
   double least = 1.0;
   for (const Eigen::Vector3d& p_W : target.points)
     least = std::min(least, truth.canvas->closest(p_W).n_W.z());

@@ -114,6 +114,7 @@ std::string promise_text(const Promise& p) {
                                  {"time", p.time},
                                  {"axis", {p.axis_W.x(), p.axis_W.y(), p.axis_W.z()}}};
   if (p.reachable) text["reachable"] = *p.reachable;
+  if (p.face > 0.0) text["face"] = p.face;
   return text.dump();
 }
 
@@ -132,6 +133,7 @@ std::optional<Promise> read_promise(const std::map<std::string, std::string>& at
     text.at("problems").get_to(p.problems);
     if (text.contains("lengths")) text["lengths"].get_to(p.lengths);
     p.asks_ink = text.value("asks_ink", true);
+    p.face = text.value("face", 0.0);
     text.at("slope").get_to(p.slope);
     text.at("time").get_to(p.time);
     for (int i = 0; i < 3; ++i) p.axis_W[i] = text.at("axis").at(i).get<double>();
@@ -169,8 +171,8 @@ Ending read_ending(const std::map<std::string, std::string>& attributes) {
   return ending;
 }
 
-Ending judged(Ending ending, const Metrics& m, bool any_ink, bool asks_ink) {
-  if (ending.end != RunEnd::finished || !asks_ink) return ending;
+Ending judged(Ending ending, const Metrics& m, bool any_ink, const Promise& promise) {
+  if (ending.end != RunEnd::finished || !promise.asks_ink) return ending;
   const auto& drawn = m.drawn.value();
   const double promised =
       m.length_promised.value() ? *m.length_promised.value() / *m.length_asked.value() : 1.0;
@@ -188,7 +190,7 @@ Ending judged(Ending ending, const Metrics& m, bool any_ink, bool asks_ink) {
   // Without an estimate of the surface the set-point lies beneath it: the path is elsewhere.
   const auto& ink = m.ink_error_rms.value();
   const auto& path = m.tracking_error_rms.value();
-  const bool ink_off = ink && *ink > kFarOff;
+  const bool ink_off = ink && *ink > kFarOff + 1e3 * promise.face;
   if (!ink_off && !(path && *path > kFarOff && m.normal_error_mean.value())) return ending;
   ending.end = RunEnd::far_off;
   ending.cause = fmt::format("{} is {:.1f} mm (RMS) away from {}, more than {:.0f} mm",

@@ -47,10 +47,10 @@ Ending read_ending(const std::map<std::string, std::string>& attributes);
 std::string told(const Ending& ending);
 
 struct Metrics;  // metrics.h
+struct Promise;
 // The same ending, unless it finished and the metrics say that nothing was drawn, or far off: less
 // than kLeastDrawn of what was promised has ink, or ink or path are more than kFarOff away (RMS).
-// `asks_ink`: false for a dry run.
-Ending judged(Ending ending, const Metrics& metrics, bool any_ink, bool asks_ink);
+Ending judged(Ending ending, const Metrics& metrics, bool any_ink, const Promise& promise);
 inline constexpr double kLeastDrawn = 0.01;
 inline constexpr double kFarOff = 5.0;  // [mm]
 
@@ -72,6 +72,7 @@ struct Promise {
   double slope = 0.0;                     // steepest under the target, against the level [rad]
   double time = 0.0;                      // of the planned path [s]
   bool asks_ink = true;                   // false: a dry run
+  double face = 0.0;  // radius of a pad, whose pressure may have its middle beside the line [m]
   Eigen::Vector3d axis_W = Eigen::Vector3d::UnitZ();  // the drawing axis, out of the canvas
 };
 

@@ -403,7 +403,7 @@ Metrics compute_metrics(const RunData& run, const InkMatch& drawn, const Canvas*
          "contact is unknown: the arm was not simulated here, and no wrench was measured");
     m.not_drawn_mm.erase("no_ink");
   } else if (!drawn.strokes.empty()) {
-    m.ending = judged(m.ending, m, has_ink(drawn), !promise || promise->asks_ink);
+    m.ending = judged(m.ending, m, has_ink(drawn), promise.value_or(Promise()));
   }
   m.wall = run.wall;
   return m;

@@ -60,12 +60,13 @@ const PadLoad& PadContact::press(const Canvas& canvas, const Pose& X_KE, const V
   V_KD << V_KE.head<3>() + V_KE.tail<3>().cross(X_KD.p - X_KE.p) + w_rel.cross(X_KD.p - centre),
       V_KE.tail<3>() + w_rel;
   press_face(canvas, X_KD, V_KD, dt);
-  const double stiffness =
-      0.25 * std::numbers::pi * std::pow(settings_.radius, 4) * settings_.stiffness;
+  const double inertia = 0.25 * std::numbers::pi * std::pow(settings_.radius, 4),
+               damping = inertia * settings_.damping,
+               gives = kJointDamping + damping + dt * inertia * settings_.stiffness;
   Eigen::Vector3d moment =
       X_KE.R.transpose() * (load_.m + (X_KD.p - centre).cross(load_.f));  // about the centre, in E
   for (int i = 0; i < settings_.joints; ++i) {
-    const double next = tilt_[i] + dt * moment[i] / (kJointDamping + stiffness * dt);
+    const double next = tilt_[i] + dt * (moment[i] + damping * rate_[i]) / gives;
     rate_[i] = (std::clamp(next, -kJointEnd, kJointEnd) - tilt_[i]) / dt;
     tilt_[i] = std::clamp(next, -kJointEnd, kJointEnd);
     if (std::abs(next) <= kJointEnd) moment[i] = kJointDamping * rate_[i];

@@ -16,7 +16,8 @@
 //
 // Passive joints turn the disc about their centre, `pivot` behind it, by the moment M about that:
 //
-//   θ ← θ + M dt/(c + k π r⁴/4 dt),  |θ_i| ≤ kJointEnd     c θ̇ = M, implicit in the stiffness
+//   θ̇ ← (M + b I θ̇)/(c + b I + k I dt),  |θ_i| ≤ kJointEnd,  I = π r⁴/4
+//   c θ̇ = M, implicit in the foam's stiffness and damping
 //
 // They pass on c θ̇ about their axes, and M at their ends. The disc has no weight, and keeps θ in
 // the air. Sliding tilts it by μ F L/(k π r⁴/4), L: from the centre to the surface.

@@ -97,6 +97,17 @@ TEST(EndingOf, FarOffIsMoreThanFiveMillimetres) {
   }
 }
 
+// A pad that leans presses beside its line, within its face.
+TEST(EndingOf, APadMayPressBesideItsLine) {
+  Promise pad = plain_promise();
+  pad.face = 0.015;
+  for (const double off : {19.0, 21.0}) {
+    MadeUp run = run_with({}, pad);
+    for (std::size_t i = 1000; i < 2000; ++i) touch(run, i, 0.05 * (i - 1000.0), off);
+    EXPECT_EQ(metrics_of(run).at("ending").at("end"), off > 20.0 ? "far_off" : "finished") << off;
+  }
+}
+
 TEST(DrawnLengths, TheRestIsByReason) {
   MadeUp run = run_with({});
   for (std::size_t i = 1200; i < 1300; ++i) lift(run, i);  // 10 to 15 mm: ends at 9.95

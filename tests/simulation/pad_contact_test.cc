@@ -106,6 +106,25 @@ TEST(Pad, TurnsAboutItsJoints) {
   }
 }
 
+// The foam of a large disc damps its turning more than the joints do.
+TEST(Pad, ALargeDiscComesToRestOnItsJoints) {
+  const Canvas canvas = plane();
+  for (const double radius : {0.015, 0.025, 0.05}) {
+    PadSettings s;
+    s.joints = 2;
+    s.radius = radius;
+    s.friction = 0.0;  // it would hold the disc before it is level
+    PadContact pad(s);
+    Pose X = pressed(1.2e-3);
+    X.R = X.R * Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    for (int i = 0; i < 500; ++i) pad.press(canvas, X, Vector6::Zero(), 1e-3);
+    EXPECT_NEAR(pad.tilt().x(), -0.02, 2e-3) << radius;
+    const double at_rest = pad.tilt().x();
+    pad.press(canvas, X, Vector6::Zero(), 1e-3);
+    EXPECT_NEAR(pad.tilt().x(), at_rest, 1e-5) << radius;
+  }
+}
+
 // A disc that slides leans on its leading edge: its moment balances that of the friction.
 TEST(Pad, LeansOnItsJointsAsItSlides) {
   const Canvas canvas = plane();
