@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "impedraw/canvas/mesh_file.h"
 #include "impedraw/common/errors.h"
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/cover.h"
@@ -30,6 +31,7 @@ namespace impedraw {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 // Lines that keep within the arm's reach treat more evenly, but are not to promise less than this
 // share of what the lines do that are cut where the reach ends.
@@ -119,7 +121,7 @@ double share_at(const CoverPlan& plan, std::size_t v) {
 struct Results {
   std::vector<char> places;         // that are promised
   TreatmentShares promised, inner;  // of these, and of those a radius inside
-  nlohmann::ordered_json metrics, whole;
+  Json metrics, whole;
   std::vector<MissedPatch> arm_missed;
   double unsaid = 0.0;  // [m²]
 };
@@ -157,9 +159,10 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
     out.metrics["pressure_mean"] = judge.truth().pressure_mean();
     out.metrics["pressure_sd"] = judge.truth().pressure_sd();
   }
-  out.metrics[dose + "_cv"] = out.inner.dose_cv;
+  const auto if_any = [](bool any, double value) { return any ? Json(value) : Json(); };
+  out.metrics[dose + "_cv"] = if_any(out.inner.area > 0.0, out.inner.dose_cv);
   out.metrics[dose + "_cv_to_edge"] = out.promised.dose_cv;
-  out.metrics[dose + "_map_error"] = of > 0.0 ? std::sqrt(off / of) : 0.0;
+  out.metrics[dose + "_map_error"] = if_any(of > 0.0, std::sqrt(off / of));
   out.metrics["treated_share_known"] = share(known.treated, known.area);
   out.metrics["unsaid_share"] = share(out.unsaid, out.promised.area);
   out.whole = {{"metrics", out.metrics},
@@ -181,15 +184,21 @@ Results results_of(const Experiment& e, const CoverPlan& plan, const TrueCover& 
   return out;
 }
 
+// The coefficient of variation without the rim, if there is a place a radius inside.
+std::string evenness(const Results& r) {
+  const bool inside = r.inner.area > 0.0;
+  return fmt::format("{:.1f} % (CV){}", 100.0 * (inside ? r.inner : r.promised).dose_cv,
+                     inside ? "" : " with the rim of one radius, which is all");
+}
+
 CoverPicture picture_of(const Scenario& s, const CoverPlan& plan, const TrueCover& truth,
                         const Judge& judge, const Results& results) {
   const SurfaceGrid& g = truth.grid;
   CoverPicture picture{
       .title = s.name,
-      .subtitle =
-          fmt::format("{:.2f} % of {:.0f} cm² treated, {} even to {:.1f} % (CV)",
-                      100.0 * results.promised.treated / results.promised.area,
-                      1e4 * results.promised.area, name_of_dose(s), 100.0 * results.inner.dose_cv),
+      .subtitle = fmt::format("{:.2f} % of {:.0f} cm² treated, {} even to {}",
+                              100.0 * results.promised.treated / results.promised.area,
+                              1e4 * results.promised.area, name_of_dose(s), evenness(results)),
       .nx = g.nx,
       .ny = g.ny,
       .step = g.step,
@@ -212,7 +221,6 @@ CoverPicture picture_of(const Scenario& s, const CoverPlan& plan, const TrueCove
 }
 
 void say_results(const Scenario& s, const Results& r, const Metrics& metrics) {
-  const std::string dose = name_of_dose(s);
   const auto percent = [&](const std::string& name) {
     return 100.0 * r.metrics[name].get<double>();
   };
@@ -223,8 +231,10 @@ void say_results(const Scenario& s, const Results& r, const Metrics& metrics) {
     say(stdout, "  pressure    {:.2f} ± {:.2f} kPa\n",
         1e-3 * r.metrics["pressure_mean"].get<double>(),
         1e-3 * r.metrics["pressure_sd"].get<double>());
-  say(stdout, "  {:<11} even to {:.1f} % (CV), {:.1f} % with the rim of one radius\n", dose,
-      percent(dose + "_cv"), percent(dose + "_cv_to_edge"));
+  say(stdout, "  {:<11} even to {}{}\n", name_of_dose(s), evenness(r),
+      r.inner.area > 0.0
+          ? fmt::format(", {:.1f} % with the rim of one radius", 100.0 * r.promised.dose_cv)
+          : "");
   say(stdout, "{}",
       metrics_summary(metrics, s.tool.kind == ToolKind::pad ? Trace::area : Trace::none));
   double lacking = 0.0;
@@ -232,6 +242,26 @@ void say_results(const Scenario& s, const Results& r, const Metrics& metrics) {
   if (lacking > 0.0)
     say(stdout, "  lacking     {:.2f} cm² in {} places, by what the arm knows; in cover.json\n",
         1e4 * lacking, r.arm_missed.size());
+}
+
+// Tells of a drawing's settings that are given for `cover`, by --set or beside a region that they
+// do not place, and that have no effect on it.
+void note_unused(const Scenario& s, const Places& places) {
+  const fs::path& region = s.cover.region;
+  const auto file_of = [](const std::string& place) { return place.substr(0, place.rfind(':')); };
+  const auto note = [&](const char* name, bool in_file, const char* why) {
+    const std::string place = places.of(name);
+    const bool beside = in_file && file_of(place) == file_of(places.of("cover.region"));
+    if (place.starts_with("--set") || beside)
+      say(stderr, "note: {}: {} has no effect on cover: {}\n", place, name, why);
+  };
+  for (const char* name : {"drawing.svg", "drawing.text", "drawing.shape"})
+    note(name, false, "cover.region is what it covers");
+  if (!region.empty() && !is_mesh_file(region)) return;
+  for (const char* name : {"drawing.placement", "drawing.layer"})
+    note(name, true,
+         region.empty() ? "cover.region is not given"
+                        : "cover.region is a mesh, which canvas.mesh and canvas.move place");
 }
 
 std::string text_of(const fs::path& file) {
@@ -252,6 +282,7 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
     places.put("cover.region", "--region " + region.string());
   }
   scenario = with_cover_defaults(scenario, places);
+  note_unused(scenario, places);
   const fs::path folder = options.out.empty() ? fs::path("runs") / scenario.name : options.out;
   require_run_folder(folder);
   const bool begun = options.resume && is_own_file(folder / "run.h5");

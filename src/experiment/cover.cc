@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "impedraw/canvas/mesh_file.h"
 #include "impedraw/common/file_extension.h"
 #include "impedraw/common/in_parallel.h"
 #include "impedraw/experiment/cover_region.h"
@@ -121,8 +122,10 @@ void require_centres(const CoverPlan& plan, const Scenario& s, const SettingErro
   if (plan.centres.wanted == 0.0)
     errors.raise({"cover.region"},
                  drawn ? fmt::format("cover.region: {} lies off the canvas, or where it is steeper "
-                                     "than {:.0f}°; drawing.placement moves it",
-                                     s.cover.region.string(), s.preflight.max_slope_deg)
+                                     "than {:.0f}°; {} moves it",
+                                     s.cover.region.string(), s.preflight.max_slope_deg,
+                                     is_mesh_file(s.cover.region) ? "canvas.mesh.position"
+                                                                  : "drawing.placement")
                        : fmt::format("cover: nothing of the canvas is seen, or all is steeper than "
                                      "{:.0f}°",
                                      s.preflight.max_slope_deg));

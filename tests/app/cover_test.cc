@@ -97,6 +97,16 @@ TEST_F(Cover, TreatsAWindowOfTheDome) {
   EXPECT_NEAR(high[1] - low[1], 60.0 - 32.0, 3.0);
 }
 
+// A window hardly wider than the pad has no place that is a radius off its border.
+TEST_F(Cover, TellsNoEvennessWhereAllIsRim) {
+  ASSERT_EQ(run(window("0.54") + " --set control.normal_force=8"), 0) << said();
+  const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_TRUE(metrics["removal_cv"].is_null()) << metrics["removal_cv"];
+  EXPECT_TRUE(metrics["removal_map_error"].is_null()) << metrics["removal_map_error"];
+  EXPECT_GT(metrics["removal_cv_to_edge"], 0.0);
+  EXPECT_NE(said().find("with the rim of one radius, which is all"), std::string::npos) << said();
+}
+
 TEST_F(Cover, SpraysAWindowOfTheDome) {
   ASSERT_EQ(run(window("1") + " --set tool.kind=nozzle --set tool.stand_off=0.06"), 0) << said();
   const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
@@ -262,8 +272,14 @@ TEST_F(Cover, NamesBadInput) {
   refuses(window("1") + " --set drawing.layer=2", "no layer '2'");
   refuses("--set tool.foam_stiffness=1e8", "touches with a part of its face only");
   refuses("--set tool.radius=0.0075", "press the foam of a pad of 15.0 mm in by 14.1 mm");
+  refuses("--set tool.joints=2 --set tool.pivot=0.02",
+          "joints 26.5 mm above the surface slides on its edge");
+  refuses(
+      "--set tool.joints=1 --set tool.radius=0.009 --set control.normal_force=3 "
+      "--set tool.pivot=-0.019",
+      "mm below the surface slides on its edge");
   refuses("--region part.ply#c0102", "a colour of six hexadecimal digits");
-  refuses("--region " + painted(0.5), "lies off the canvas");
+  refuses("--region " + painted(0.5), "canvas.mesh.position moves it");
   refuses("--set tool.depth=0.0005", "tool.depth is given, and tool.kind is pad");
   refuses("--set tool.kind=nozzle --set tool.radius=0.1", "has no room to move along a line");
 }
@@ -330,7 +346,11 @@ TEST_F(Cover, NamesAPadThatDoesNotFitALine) {
 }
 
 TEST_F(Cover, CoversAColourOfAMesh) {
-  ASSERT_EQ(run("--region " + painted(0.0)), 0) << said();
+  ASSERT_EQ(run("--region " + painted(0.0) + " --set drawing.placement.rotate=45"), 0) << said();
+  EXPECT_NE(said().find("--set drawing.placement.rotate=45: drawing.placement has no effect on "
+                        "cover: cover.region is a mesh"),
+            std::string::npos)
+      << said();
   const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
   EXPECT_GT(metrics["treated_share"], 0.995);
   std::ifstream lines(folder_ / "run/cover.csv");
