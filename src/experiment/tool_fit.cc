@@ -240,13 +240,15 @@ void require_level(const PadSettings& pad, double friction, const SettingErrors&
   const double foam = pad.thickness - pad.rest, lever = foam + pad.pivot,
                most = kMostLean * pad.radius / (4.0 * friction);
   if (pad.joints == 0 || std::abs(lever) <= most) return;
+  const double end = 1e4 * (std::copysign(most, lever) - foam);
   errors.raise(
       {"tool.pivot", "tool.joints", "tool.radius"},
       fmt::format("tool.pivot: a pad of {:.1f} mm with joints {:.1f} mm {} the surface slides on "
-                  "its edge, by control.friction {:.3g}; valid is tool.pivot from {:.4f} to {:.4f} "
-                  "m, tool.joints: 0, or a larger pad",
+                  "its edge, by control.friction {:.3g}; valid is tool.pivot {} {:.4f} m, "
+                  "tool.joints: 0, or a larger pad",
                   2e3 * pad.radius, 1e3 * std::abs(lever), lever > 0.0 ? "above" : "below",
-                  friction, -most - foam, most - foam));
+                  friction, lever > 0.0 ? "up to" : "from",
+                  1e-4 * (lever > 0.0 ? std::floor(end) : std::ceil(end))));
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ const PadLoad& PadContact::press(const Canvas& canvas, const Pose& X_KE, const V
       V_KE.tail<3>() + w_rel;
   press_face(canvas, X_KD, V_KD, dt);
   const double inertia = 0.25 * std::numbers::pi * std::pow(settings_.radius, 4),
-               damping = inertia * settings_.damping,
+               damping = load_.touching ? inertia * settings_.damping : 0.0,
                gives = kJointDamping + damping + dt * inertia * settings_.stiffness;
   Eigen::Vector3d moment =
       X_KE.R.transpose() * (load_.m + (X_KD.p - centre).cross(load_.f));  // about the centre, in E

@@ -273,7 +273,8 @@ TEST_F(Cover, NamesBadInput) {
   refuses("--set tool.foam_stiffness=1e8", "touches with a part of its face only");
   refuses("--set tool.radius=0.0075", "press the foam of a pad of 15.0 mm in by 14.1 mm");
   refuses("--set tool.joints=2 --set tool.pivot=0.02",
-          "joints 26.5 mm above the surface slides on its edge");
+          "joints 26.5 mm above the surface slides on its edge, by control.friction 0.3; valid is "
+          "tool.pivot up to 0.0122 m");
   refuses(
       "--set tool.joints=1 --set tool.radius=0.009 --set control.normal_force=3 "
       "--set tool.pivot=-0.019",

@@ -122,6 +122,14 @@ TEST(Pad, ALargeDiscComesToRestOnItsJoints) {
     const double at_rest = pad.tilt().x();
     pad.press(canvas, X, Vector6::Zero(), 1e-3);
     EXPECT_NEAR(pad.tilt().x(), at_rest, 1e-5) << radius;
+    // Lifted while it turns, it turns no further.
+    X.R = X.R * Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    pad.press(canvas, X, Vector6::Zero(), 1e-3);
+    const double turning = pad.tilt().x();
+    EXPECT_NE(turning, at_rest);
+    X.p.z() += 0.05;
+    pad.press(canvas, X, Vector6::Zero(), 1e-3);
+    EXPECT_EQ(pad.tilt().x(), turning) << radius;
   }
 }
 
