@@ -39,6 +39,7 @@ CoverRegion region_of(const Scenario& s, const SurfaceGrid& g, const Pose& X_WP)
       s.cover.region,
       {.may_be_empty = true, .visible = s.drawing.visible, .layers = s.drawing.layers});
   if (!s.drawing.layer.empty()) choose_layers(artwork, s.drawing.layer);
+  // An area is as it is painted; the lines about it, which the rest of these tell of, do not count.
   std::vector<std::string>& left_out = artwork.warnings;
   std::erase_if(left_out, [](const std::string& w) { return w.find("lines ") != w.npos; });
   if (artwork.areas.empty())
