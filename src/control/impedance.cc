@@ -175,6 +175,7 @@ const ImpedanceTorque& ImpedanceController::publish(const LimitedTorque& limited
 void ImpedanceController::reset() noexcept {
   forget(false);
   limits_.reset();
+  stiff_contact_ = StiffContact(settings_);
 }
 
 // Clears state that may be invalid after a loss of control. The last torque is kept, for its rate.

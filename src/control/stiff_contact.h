@@ -7,7 +7,7 @@
 //           Blows at touchdown fade, and rough ground turns the force once or twice, or slower.
 // Law       M_d⁻¹ ← (1 − s) M_d⁻¹ + s Λ⁻¹,  1 − s halved by the kSwings-th swing in a row and by
 //           each that follows. With s = 1 the measured force does not act on its own contact. s is
-//           kept when the pen lifts: workpiece and tip stay as stiff.
+//           kept when the pen lifts, as workpiece and tip stay as stiff.
 // Source    Dimeas and Aspragathos, IEEE Trans. Haptics 9(2), 2016: such an oscillation is detected
 //           in the loop, and an admittance made heavier until it ends
 // Requires  a measured wrench; one call every dt

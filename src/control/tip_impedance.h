@@ -43,11 +43,13 @@ class TipImpedance {
               double own = 0.0) noexcept {
     n_ = n_W;
     own_ = own;
+    at_limit_ = false;
     if (own_ > 0.0) {
       U_ = space.inverse_inertia_factor();
       U_inverse_ = space.inertia_factor();
       own_damping_.design(U_, K_damping_.linear.matrix(n_), K_damping_.angular.matrix(n_),
                           settings_.damping_ratio);
+      at_limit_ = is_limit(own_damping_.largest_rate());
     }
     if (shaped_) return;
     factor_ = space.inverse_inertia_factor();
@@ -59,8 +61,7 @@ class TipImpedance {
     }
     modal_.design(factor_, K_damping_.linear.matrix(n_), K_damping_.angular.matrix(n_),
                   settings_.damping_ratio);
-    const double rate = modal_.largest_rate() / std::sqrt(scale_);
-    at_limit_ = rate * settings_.timing.damping_delay() >= kDampingLimit;
+    at_limit_ |= is_limit(modal_.largest_rate() / std::sqrt(scale_));
   }
 
   const TipGain& stiffness() const noexcept { return settings_.stiffness; }  // K
@@ -79,11 +80,14 @@ class TipImpedance {
     return own_ > 0.0 ? mixed(F_act, F) : F_act;
   }  // Λ M_d⁻¹ F
 
-  // max eig(M_d⁻¹ B) (Δt + delay) ≥ kDampingLimit in this posture. False if shaped: the set-up has
-  // checked that.
+  // max eig(M_d⁻¹ B) (Δt + delay) ≥ kDampingLimit in this posture. False if shaped, with s = 0: the
+  // set-up has checked that.
   bool at_limit() const noexcept { return at_limit_; }
 
  private:
+  bool is_limit(double rate) const noexcept {
+    return rate * settings_.timing.damping_delay() >= kDampingLimit;
+  }
   Vector6 mixed(const Vector6& set, const Vector6& own) const noexcept {
     return (1.0 - own_) * set + own_ * own;
   }

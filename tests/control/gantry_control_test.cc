@@ -153,5 +153,36 @@ TEST(GantryControl, TorqueStaysWithinItsLimitsWhateverComesIn) {
   }
 }
 
+// A force that swings about the push as on a stiff canvas: the status tells it until a reset, and
+// with the arm's own inertia never.
+TEST(GantryControl, AStiffContactIsToldUntilAReset) {
+  for (const InertiaShaping inertia : {InertiaShaping::shaped, InertiaShaping::natural}) {
+    ImpedanceSettings s;
+    s.inertia = inertia;
+    ImpedanceController controller(s, 6);
+    std::mt19937 rng(20261130);
+    const ArmTerms arm = random_gantry(rng, 0.0);
+    TipReference reference;
+    reference.p_WD = arm.X_WE.p;
+    reference.n_WD = -arm.X_WE.R.col(2);
+    reference.pen_down = true;
+    SurfaceEstimate surface;
+    surface.status = SurfaceStatus::ok;
+    surface.n_W = reference.n_WD;
+    surface.distance = 0.0;
+    const auto told = [&](double swing) {
+      Wrench F_ext = Wrench::Zero();
+      F_ext.head<3>() = (s.normal_force + swing) * reference.n_WD;
+      return controller.step(arm, reference, surface, F_ext).status.stiff_contact;
+    };
+    bool any = false;
+    for (int i = 0; i < 300; ++i) any |= told(i < 50 ? 0.0 : 3.0 * std::sin(0.2 * i));
+    EXPECT_EQ(any, inertia == InertiaShaping::shaped);
+    EXPECT_EQ(told(0.0), any);
+    controller.reset();
+    EXPECT_FALSE(told(0.0));
+  }
+}
+
 }  // namespace
 }  // namespace impedraw
