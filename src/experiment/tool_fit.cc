@@ -237,10 +237,9 @@ namespace {
 // treats evenly; with twice as much it slides on its edge.
 void require_level(const PadSettings& pad, double friction, const SettingErrors& errors) {
   constexpr double kMostLean = 1.5;
-  const double foam = pad.thickness - pad.rest, lever = foam + pad.pivot,
-               most = kMostLean * pad.radius / (4.0 * friction);
+  const double lever = pad.lever(), most = kMostLean * pad.radius / (4.0 * friction);
   if (pad.joints == 0 || std::abs(lever) <= most) return;
-  const double end = 1e4 * (std::copysign(most, lever) - foam);
+  const double end = 1e4 * (pad.pivot - lever + std::copysign(most, lever));
   errors.raise(
       {"tool.pivot", "tool.joints", "tool.radius"},
       fmt::format("tool.pivot: a pad of {:.1f} mm with joints {:.1f} mm {} the surface slides on "
@@ -256,9 +255,9 @@ void require_level(const PadSettings& pad, double friction, const SettingErrors&
 void require_foam(const Scenario& s, const SettingErrors& errors) {
   constexpr double kMostPressed = 0.85;  // of the foam's thickness; more of it counts as a wall
   const auto pad = pad_of(s.tool, s.world.tip.friction, s.control.normal_force);
-  const double share = pad ? pad->rest / (kMostPressed * pad->thickness) : 0.0;
-  if (pad && share <= 1.0) require_level(*pad, s.control.friction.coefficient, errors);
-  if (share <= 1.0) return;
+  if (!pad) return;
+  const double share = pad->rest / (kMostPressed * pad->thickness);
+  if (share <= 1.0) return require_level(*pad, s.control.friction.coefficient, errors);
   errors.raise(
       {"tool.radius", "tool.foam_stiffness", "control.normal_force", "tool.kind"},
       fmt::format("tool.radius: {:.3g} N press the foam of a pad of {:.1f} mm in by {:.1f} "

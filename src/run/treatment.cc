@@ -77,7 +77,7 @@ Eigen::Vector3d TreatmentMap::lying(double force, const Eigen::Vector3d& along) 
     A += area * row * row.transpose();
     b += area * q.z() * row;
   }
-  const double lever = pad_.friction * (pad_.thickness + pad_.pivot - pad_.rest);
+  const double lever = pad_.friction * pad_.lever();
   b += force / pad_.stiffness * Eigen::Vector3d(1.0, lever * along.x(), lever * along.y());
   Eigen::Vector3d lies(b[0] / A(0, 0), 0.0, 0.0);
   if (pad_.joints == 1) {  // about x: it tilts along y

@@ -48,8 +48,8 @@ const PadLoad& PadContact::press(const Canvas& canvas, const Pose& X_KE, const V
     press_face(canvas, X_KE, V_KE, dt);
     return load_;
   }
-  const Eigen::Vector3d centre_E(0.0, 0.0, settings_.rest - settings_.thickness - settings_.pivot),
-      turn(tilt_.x(), tilt_.y(), 0.0), w_rel = X_KE.R * Eigen::Vector3d(rate_.x(), rate_.y(), 0.0);
+  const Eigen::Vector3d centre_E(0.0, 0.0, -settings_.lever()), turn(tilt_.x(), tilt_.y(), 0.0),
+      w_rel = X_KE.R * Eigen::Vector3d(rate_.x(), rate_.y(), 0.0);
   const double angle = turn.norm();
   const Eigen::Matrix3d R_ED = angle > 0.0
                                    ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix()

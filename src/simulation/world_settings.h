@@ -47,6 +47,8 @@ struct PadSettings {
   double pivot = 0.0;            // of the joints' centre behind the rigid disc [m]
 
   double area() const;  // π r² [m²]; of a line: its length [m]
+  // From the joints' centre to the surface, with the foam pressed as far as its face lies before E.
+  double lever() const { return thickness - rest + pivot; }  // [m]
   // Pressure of the foam, compressed by δ at the rate v [Pa]; of a line [N/m].
   double pressure(double compression, double rate) const {
     return compression > 0.0 ? std::max(0.0, stiffness * compression + damping * rate) : 0.0;
