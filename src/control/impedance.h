@@ -57,6 +57,7 @@
 #include "impedraw/control/contact.h"
 #include "impedraw/control/disturbance.h"
 #include "impedraw/control/handover.h"
+#include "impedraw/control/hurried_torque.h"
 #include "impedraw/control/joint_brake.h"
 #include "impedraw/control/joint_damper.h"
 #include "impedraw/control/joint_range.h"
@@ -143,6 +144,7 @@ class ImpedanceController {
   void set_tip_radius(double radius) noexcept { settings_.tip.radius = radius; }
 
  private:
+  double fastest_push(const ArmTerms& arm, const Eigen::Vector3d& n) const;
   const ImpedanceTorque& hold_with_gravity() noexcept;
   const ImpedanceTorque& publish(const LimitedTorque& limited) noexcept;
   void publish(const Contact& contact, const TipTarget& target, double push) noexcept;
@@ -155,6 +157,7 @@ class ImpedanceController {
   SurfaceContact contact_;
   TipImpedance impedance_;
   StiffContact stiff_contact_;
+  HurriedTorque hurried_torque_;
   NormalPush push_;
   TipFriction friction_;
   SpeedLimit speed_limit_;

@@ -3,12 +3,15 @@
 // Law       F_push = −(F_n n·n_C + I) n,  in approach without F_n, away from the surface 0
 //           İ = rate (asked − n·F_ext),  |I| ≤ limit;  I = 0 out of contact
 // n·n_C     keeps the force along the normal where the ball touches at F_n (felt_normal.h).
+// F_n       follows in contact what is asked for, by `fastest` a step at most: torques at the limit
+//           of their rate lag behind the contact, and its force swings.
 // asked     F_n n·n_C less what the handover holds back while the push builds up: the error is that
 //           of the present push, and the integral does not wind up.
 // Requires  a measured wrench for the integral
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "impedraw/control/contact.h"
 
@@ -22,12 +25,18 @@ class NormalPush {
         integrates_(s.force_integral.enabled && s.wrench == WrenchFeedback::measured) {}
 
   // Integrates the force error over one step, unless `frozen`, and returns F_push [N, Nm].
-  // carried: force that the handover adds in this step [N].
+  // carried: force that the handover adds in this step [N]. fastest: change of F_n in a step [N].
   Vector6 update(const Contact& contact, const Wrench& F_ext, const Eigen::Vector3d& carried,
-                 bool frozen) noexcept {
+                 bool frozen, double fastest) noexcept {
     const Eigen::Vector3d& n = contact.n;
-    const bool touches = contact.mode == ContactMode::contact;
-    desired_ = touches ? contact.force : 0.0;
+    const bool touches = contact.mode == ContactMode::contact, touched = desired_ > 0.0;
+    const double way = contact.force - desired_;
+    if (!touches)
+      desired_ = 0.0;
+    else if (!touched || std::abs(way) <= fastest)
+      desired_ = contact.force;
+    else
+      desired_ += std::copysign(fastest, way);
     built_up_ = touches ? std::max(0.0, desired_ - n.dot(carried)) : 0.0;
     if (integrates_ && !frozen) {
       const double asked = desired_ * n.dot(contact.n_C) - n.dot(carried);
@@ -44,7 +53,7 @@ class NormalPush {
 
   double desired() const noexcept { return desired_; }    // F_n in contact, else 0 [N]
   double built_up() const noexcept { return built_up_; }  // the part that acts already [N]
-  void reset() noexcept { integral_ = 0.0; }
+  void reset() noexcept { integral_ = desired_ = 0.0; }
 
  private:
   double dt_;

@@ -15,6 +15,7 @@
 
 #include "impedraw/common/rotations.h"
 #include "impedraw/common/seeded_normals.h"
+#include "impedraw/control/joint_speed_shares.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/judge/force_rig.h"
 #include "impedraw/run/motion_check.h"
@@ -54,6 +55,9 @@ struct ForceBench::Law {
     if (controller == ForceController::ours) {
       ControlSetup setup = e.control;
       setup.impedance.approach.speed = approach_speed;
+      // No clock slows down the path where it asks too much, as in a drawing: the law has to.
+      Eigen::VectorXd& most = setup.impedance.limits.joint_speed;
+      most = most.cwiseMin(JointSpeedShares::kPlanned * arm.limits().speed);
       law.emplace<std::unique_ptr<ControlLoop>>(std::make_unique<ControlLoop>(
           setup, arm, info,
           [believed](const Eigen::Vector3d& p_K, double) { return believed.estimate(p_K); }));

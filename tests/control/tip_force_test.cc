@@ -1,6 +1,7 @@
 // The forces at the tip, each against its closed form: desired inertia and damping, the push with
 // its integral, the handover at a switch, and friction.
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -150,7 +151,7 @@ TEST(NormalPush, IntegratesTheErrorOfThePresentPushWithinItsBound) {
   F_ext.head<3>() = 3.0 * n + n.unitOrthogonal();
   const double asked = s.normal_force * n.dot(contact.n_C);
   const auto pushed = [&](bool frozen) {
-    return -n.dot(push.update(contact, F_ext, carried, frozen).head<3>());
+    return -n.dot(push.update(contact, F_ext, carried, frozen, 0.1).head<3>());
   };
   for (int i = 1; i <= 100; ++i)
     ASSERT_NEAR(pushed(false), asked + i * 1e-3 * 2.0 * (asked - 1.5 - 3.0), 1e-12);
@@ -166,7 +167,32 @@ TEST(NormalPush, IntegratesTheErrorOfThePresentPushWithinItsBound) {
   EXPECT_EQ(push.desired(), 0.0);
   EXPECT_EQ(push.built_up(), 0.0);
   contact.mode = ContactMode::free;
-  EXPECT_EQ(push.update(contact, F_ext, carried, false), Vector6(Vector6::Zero()));
+  EXPECT_EQ(push.update(contact, F_ext, carried, false, 0.1), Vector6(Vector6::Zero()));
+}
+
+TEST(NormalPush, FollowsACommandAsFastAsItIsTold) {
+  ImpedanceSettings s;
+  s.force_integral.enabled = false;
+  AnyArm any(4);
+  NormalPush push(s);
+  Contact contact = touching(any);
+  const auto after = [&](double force, int steps, double fastest = 0.25) {
+    contact.force = force;
+    for (int i = 0; i < steps; ++i)
+      push.update(contact, Wrench::Zero(), Vector3d::Zero(), false, fastest);
+    return push.desired();
+  };
+  EXPECT_EQ(after(5.0, 1), 5.0) << "at the touch the handover makes it grow";
+  EXPECT_EQ(after(10.0, 4), 6.0);
+  EXPECT_EQ(after(10.0, 100), 10.0);
+  EXPECT_EQ(after(2.0, 8), 8.0);
+  EXPECT_EQ(after(2.0, 1, std::numeric_limits<double>::infinity()), 2.0);
+  contact.mode = ContactMode::approach;
+  EXPECT_EQ(after(2.0, 1), 0.0);
+  contact.mode = ContactMode::contact;
+  EXPECT_EQ(after(5.0, 1), 5.0);
+  push.reset();
+  EXPECT_EQ(after(8.0, 1), 8.0);
 }
 
 TEST(TipFriction, ExplainsCoulombFrictionAndAWrongNormalAndLeavesTheRest) {

@@ -97,6 +97,27 @@ TEST_F(ForceBenchOnTheWall, TellsAFaultBetweenTwoRuns) {
   EXPECT_EQ(bench_->fault(), "the cable was pulled");
 }
 
+// The torques of a real arm change by 850 Nm/s at most.
+ForceMetrics on_slow_torques(const std::string& name) {
+  Prepared e = prepared("force-benchmark", {"arm.start=[0.6, 0, 0.13]", "perception.enabled=false",
+                                            "control.torque_rate=850"});
+  ForceBench bench(e, {}, false);
+  const ForceCase c = force_cases({name}).front();
+  const ForceRun run = bench.run(c, ForceController::ours, 1, [] { return true; });
+  EXPECT_EQ(run.ended, "");
+  return judge_force(run.record, run.question);
+}
+
+TEST(ForceBench, ABlowAStepAndAnEdgeAreBorneWithTheTorqueRatesOfARealArm) {
+  const ForceMetrics blow = on_slow_torques("contact-100"), step = on_slow_torques("steps"),
+                     edge = on_slow_torques("edged-75");
+  ASSERT_TRUE(blow.value[kSettlingTime]) << "the pen hammers";
+  EXPECT_LT(*blow.value[kSettlingTime], 0.3);
+  EXPECT_LT(*blow.value[kSd], 0.1);
+  EXPECT_LT(*step.value[kOvershoot], 0.25);
+  EXPECT_LT(*edge.value[kSd], 0.5);
+}
+
 TEST(ForceResults, TellWhetherTheArmWasSimulated) {
   ForceResults results;
   results.arm = "fr3";

@@ -129,12 +129,12 @@ def speed():
 
 
 def force(long=False):
-    """The force benchmark, by the force of Drake's contact."""
-    scenario = HERE / "iiwa-sine.yaml"
+    """The force benchmark, by the force of Drake's contact, with the law of scenarios/force-benchmark.yaml."""
+    scenario, law = HERE / "iiwa-sine.yaml", ("--set", "control.inertia=shaped", "--set", "control.damping_ratio=1.4")
     start = cases.start_posture(scenario, OUT, *cases.FORCE_ARGUMENTS)
     with broker() as (url, _):
         return cases.judge_force(
-            [PROGRAM, "judge-force", scenario, "--arm", "iiwa-lcm", "--set", f"arm.url={url}"], OUT / ("force-all" if long else "force"),
+            [PROGRAM, "judge-force", scenario, "--arm", "iiwa-lcm", "--set", f"arm.url={url}", *law], OUT / ("force-all" if long else "force"),
             lambda file, arguments: simulation(url, file, start, ["--wrench", "--rotor", "0.1", *arguments]), long,
         )  # fmt: skip
 
