@@ -65,7 +65,7 @@ FORCE_CASES = "contact-10,steps,hold-still,hold-sliding,hold-stiffening,edged-25
 FORCE_ARGUMENTS = ("--set", "arm.start=[0.6,0,0.13]", "--set", "arm.rotor_inertia=0.1")
 
 
-# Every case. After the last one the arm may not be usable: a joint nears its rated speed at the edge, and an FR3 does not always recover.
+# Every case. After the last one the arm may not be usable: a peer's joint nears its rated speed at the edge, and an FR3 does not always recover.
 FORCE_SESSIONS = (
     "contact-10,contact-30,contact-100,steps,ramps,sweep,hold-still,hold-sliding,hold-tilting,hold-stiffening",
     "straight-50,straight-150,curved-50,curved-150,edged-25,hand-across,hand-lifting",
@@ -101,7 +101,7 @@ def judge_force(command, out, simulation, long=False):
     (out / "force.json").write_text(json.dumps(results, indent=1) + "\n")
     for case in results["cases"]:
         for judged in case["controllers"]:
-            if judged["controller"] == "ours" and not case["case"].startswith("edged"):  # there a joint nears its rated speed
+            if judged["controller"] == "ours":
                 require(f"each run of {case['case']} is whole", all("ended" not in run for run in judged["runs"]), judged["runs"])
             for metric in ("steady_error", "sd", "overshoot"):
                 if judged["mean"][metric] is not None:
