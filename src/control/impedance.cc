@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "impedraw/control/heading.h"
 #include "impedraw/control/plan_turn.h"
@@ -68,8 +67,7 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
 
   // The pen's place: Λ and J̄ (8), (16), mode and normal of the contact, M_d and B
   out_.status.near_singular = !space_.update(arm);
-  TipReference followed = reference;
-  followed.alpha_WD = followed_turn(arm, space_, settings_.limits.torque_rate, reference.alpha_WD);
+  const TipReference followed = with_followed_turn(arm, space_, settings_.limits, reference);
   const StepInput in{arm, followed, surface, F_ext, lost, carrier};
   const Contact& contact = contact_.update(in);
   impedance_.update(space_, contact.n,
@@ -77,9 +75,9 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
                              hurried_torque_.update(contact, F_ext, was_limited)));
 
   // The wishes: F_push, V_d, V̇_d and K e (13)
-  const Eigen::Vector3d carried = handover_.carried().head<3>();
   const Vector6 F_push =
-      push_.update(contact, F_ext, carried, was_limited, fastest_push(arm, contact.n));
+      push_.update(contact, F_ext, handover_.carried().head<3>(), was_limited,
+                   fastest_push(arm, space_, impedance_, settings_, contact.n));
   TipTarget d = contact.on_surface() ? target_on_surface(in, contact, push_.built_up(), settings_)
                                      : target_on_plan(in, contact, settings_);
   const Eigen::Vector3d f_friction = friction_.feedforward(contact, d.V.head<3>());
@@ -146,17 +144,6 @@ const ImpedanceTorque& ImpedanceController::brake(const ArmTerms& arm,
   out_.status.bad_input = !std::isfinite(out_.terms.sum()) || !space_.inertia().allFinite();
   if (out_.status.bad_input) return hold_with_gravity();
   return publish(limits_.nearest(out_.terms.rowwise().sum(), arm.M));
-}
-
-// Change of the push in a step that takes half of what the torques' rates allow [N].
-double ImpedanceController::fastest_push(const ArmTerms& arm, const Eigen::Vector3d& n) const {
-  constexpr double kShare = 0.5;
-  const Eigen::VectorXd& rate = settings_.limits.torque_rate;
-  if (rate.size() == 0) return std::numeric_limits<double>::infinity();
-  Vector6 newton = Vector6::Zero();
-  newton.head<3>() = n;
-  const JointVector by = arm.J.transpose().lazyProduct(impedance_.to_arm(space_, newton));
-  return kShare * settings_.timing.dt / by.cwiseAbs().cwiseQuotient(rate).maxCoeff();
 }
 
 // Returns the last gravity torque, which holds the arm still. No damping: the velocity may be

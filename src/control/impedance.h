@@ -144,7 +144,6 @@ class ImpedanceController {
   void set_tip_radius(double radius) noexcept { settings_.tip.radius = radius; }
 
  private:
-  double fastest_push(const ArmTerms& arm, const Eigen::Vector3d& n) const;
   const ImpedanceTorque& hold_with_gravity() noexcept;
   const ImpedanceTorque& publish(const LimitedTorque& limited) noexcept;
   void publish(const Contact& contact, const TipTarget& target, double push) noexcept;

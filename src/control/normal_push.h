@@ -12,10 +12,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "impedraw/control/contact.h"
+#include "impedraw/control/tip_impedance.h"
 
 namespace impedraw {
+
+// Change of the push in a step that takes half of what the torques' rates allow [N].
+inline double fastest_push(const ArmTerms& arm, const OperationalSpace& space,
+                           const TipImpedance& impedance, const ImpedanceSettings& s,
+                           const Eigen::Vector3d& n) noexcept {
+  constexpr double kShare = 0.5;
+  const Eigen::VectorXd& rate = s.limits.torque_rate;
+  if (rate.size() == 0) return std::numeric_limits<double>::infinity();
+  Vector6 newton = Vector6::Zero();
+  newton.head<3>() = n;
+  const JointVector by = arm.J.transpose().lazyProduct(impedance.to_arm(space, newton));
+  return kShare * s.timing.dt / by.cwiseAbs().cwiseQuotient(rate).maxCoeff();
+}
 
 class NormalPush {
  public:
