@@ -13,6 +13,7 @@
 #include "impedraw/experiment/artwork.h"
 #include "impedraw/experiment/cover.h"
 #include "impedraw/experiment/experiment.h"
+#include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/prepare.h"
 #include "impedraw/files/data_folder.h"
 #include "impedraw/files/durable_file.h"
@@ -303,6 +304,8 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
     line->update("covering the surface", 0.1 + 0.2 * share);
   });
   const TrueCover truth = true_cover(scenario, scene, X_WP, plan);
+  // The planner's own surface ends where a tip must not go: beside steps, and on rough ground.
+  scene.belief.surface = perceived_height(scene.belief.perception, X_WP);
   if (scenario.tool.kind == ToolKind::pad)
     scene.belief.surface =
         with_normals_of(plan.centres.feet, plan.grid, std::move(scene.belief.surface));
@@ -324,24 +327,30 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
   lay(plan, laid_in, 0.3);
   CoverPlan within = plan;
   bool beyond = keep_within_reach(scenario, *laid, &within);
-  bool cut = keep_drawn(scenario, *laid, &plan);
+  bool cut = keep_drawn(scenario, *laid, Barred::tried_again, &plan);
   if (beyond) {
     for (int round = 0; beyond; ++round) {
       lay(within, laid_in, 0.5);
       beyond = round < kRelaid && keep_within_reach(scenario, *laid, &within);
     }
-    const bool cut_within = keep_drawn(scenario, *laid, &within);
+    const bool cut_within = keep_drawn(scenario, *laid, Barred::tried_again, &within);
     if (within.promised_area >= kOfDraft * plan.promised_area) {
       plan = std::move(within);
       cut = cut_within;
+    } else {
+      cut = true;  // what is laid are the other lines
     }
+  }
+  for (int round = 0; cut; ++round) {
+    lay(plan, laid_in, 0.7);
+    cut = round < kRelaid && keep_drawn(scenario, *laid, Barred::lost, &plan);
   }
   fs::remove(draft);
   if (begun && begun_along != cover_strokes(plan, scenario))
     throw InputError(
         fmt::format("--resume: the area in {} was begun along other lines; use the same settings",
                     folder.string()));
-  if (cut || begun) lay(plan, strokes, 0.7);
+  if (begun) lay(plan, strokes, 0.7);
   for (const std::string& what : plan.left_out) say(stderr, "note: cover.region: {}\n", what);
   for (const std::string& note : plan.notes) say(stderr, "note: {}\n", note);
   line.reset();

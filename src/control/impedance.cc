@@ -75,9 +75,8 @@ const ImpedanceTorque& ImpedanceController::step(const ArmTerms& arm, const TipR
                              hurried_torque_.update(contact, F_ext, was_limited)));
 
   // The wishes: F_push, V_d, V̇_d and K e (13)
-  const Vector6 F_push =
-      push_.update(contact, F_ext, handover_.carried().head<3>(), was_limited,
-                   fastest_push(arm, space_, impedance_, settings_, contact.n));
+  const Vector6 F_push = push_.update(contact, F_ext, handover_.carried().head<3>(), was_limited,
+                                      fastest_push(arm, space_, impedance_, settings_, contact.n));
   TipTarget d = contact.on_surface() ? target_on_surface(in, contact, push_.built_up(), settings_)
                                      : target_on_plan(in, contact, settings_);
   const Eigen::Vector3d f_friction = friction_.feedforward(contact, d.V.head<3>());

@@ -38,9 +38,10 @@ constexpr double kLighter = 0.15;
 constexpr double kJointMargin = 0.08;
 // The distance of the centres from places that the arm does not reach [m].
 constexpr double kOffReach = 1e-3;
-constexpr double kReachStep = 8e-3;  // between places for which the arm is asked [m]
-constexpr double kUnsure = 0.5e-3;   // of a place's height, along its normal [m]
-constexpr double kNothing = 0.02;    // a tone as light as that asks for nothing
+constexpr double kReachStep = 8e-3,
+                 kFinestReach = 2e-3;  // of squares in which the arm is asked [m]
+constexpr double kUnsure = 0.5e-3;     // of a place's height, along its normal [m]
+constexpr double kNothing = 0.02;      // a tone as light as that asks for nothing
 
 // A foam that is pressed deeper than its thickness is a jet (jet_of()), which no foam's end limits.
 Footprint footprint_of(const PadSettings& pad) {
@@ -250,31 +251,59 @@ void lay_lines(const Scenario& s, CoverPlan* cover) {
   promise(s, better.inner, !plan.centres.within_reach.empty(), cover);
 }
 
-// Keeps the centres in squares in whose middle the arm has a posture for the pad.
-void keep_reached(const Scenario& s, const Belief& belief, const Pose& X_WP, const SurfaceGrid& g,
-                  Centres* centres) {
+// Vertices where the arm has a posture for the pad, asked in the middle of squares. Squares
+// beside others with another answer are asked again by quarters.
+std::vector<char> reached_places(const Scenario& s, const Belief& belief, const Pose& X_WP,
+                                 const SurfaceGrid& g, const Centres& centres) {
   const PreflightSettings settings = preflight_settings(s, X_WP, true, belief.start_q);
-  const int side = std::max(1, static_cast<int>(std::lround(kReachStep / g.step)));
-  in_parallel((g.ny + side - 1) / side, [&](int row) {
-    const auto out_of_reach = unreachable(belief, X_WP, settings);
-    for (int i0 = 0; i0 < g.nx; i0 += side) {
-      const auto in_square = [&](auto&& visit) {
-        for (int j = row * side; j < std::min(g.ny, (row + 1) * side); ++j)
-          for (int i = i0; i < std::min(g.nx, i0 + side); ++i)
-            if (const std::size_t v = g.index(i, j); centres->allowed[v]) visit(v);
-      };
-      const Eigen::Vector2d middle =
-          g.low + g.step * (Eigen::Vector2d(i0, row * side).array() + 0.5 * (side - 1)).matrix();
-      std::optional<std::size_t> at;
-      in_square([&](std::size_t v) {
-        if (!at || (g.plane(v) - middle).norm() < (g.plane(*at) - middle).norm()) at = v;
-      });
-      if (!at) continue;
-      const Eigen::Vector3d n = centres->feet.at(g, g.plane(*at)).normal();
-      if (out_of_reach({g.point(*at), n}) == 1.0)
-        in_square([&](std::size_t v) { centres->allowed[v] = 0; });
-    }
-  });
+  std::vector<char> reached(g.size(), 1), asked = centres.allowed;
+  for (double width = kReachStep; width >= kFinestReach; width *= 0.5) {
+    const int side = std::max(1, static_cast<int>(std::lround(width / g.step)));
+    const auto in_square = [&](int i0, int j0, auto&& visit) {
+      for (int j = j0; j < std::min(g.ny, j0 + side); ++j)
+        for (int i = i0; i < std::min(g.nx, i0 + side); ++i)
+          if (const std::size_t v = g.index(i, j); centres.allowed[v]) visit(v);
+    };
+    std::vector<char> answers = reached;
+    in_parallel((g.ny + side - 1) / side, [&](int row) {
+      const auto out_of_reach = unreachable(belief, X_WP, settings);
+      for (int i0 = 0, j0 = row * side; i0 < g.nx; i0 += side) {
+        const Eigen::Vector2d middle =
+            g.low + g.step * (Eigen::Vector2d(i0, j0).array() + 0.5 * (side - 1)).matrix();
+        std::optional<std::size_t> at;
+        bool unsure = false;
+        in_square(i0, j0, [&](std::size_t v) {
+          if (!at || (g.plane(v) - middle).norm() < (g.plane(*at) - middle).norm()) at = v;
+          unsure = unsure || asked[v];
+        });
+        if (!unsure) continue;
+        const Eigen::Vector3d n = centres.feet.at(g, g.plane(*at)).normal();
+        const bool here = out_of_reach({g.point(*at), n}) < 1.0;
+        in_square(i0, j0, [&](std::size_t v) { answers[v] = here; });
+      }
+    });
+    reached = std::move(answers);
+    // Squares beside the border are asked again.
+    std::vector<char> out(g.size());
+    for (std::size_t v = 0; v < g.size(); ++v) out[v] = !reached[v];
+    const std::vector<double> in = distance_to_edge(g, reached), off = distance_to_edge(g, out);
+    for (std::size_t v = 0; v < g.size(); ++v)
+      asked[v] = centres.allowed[v] && std::max(in[v], off[v]) < 0.5 * side * g.step;
+  }
+  return reached;
+}
+
+// Keeps the centres off what is not reached.
+void keep_within(const SurfaceGrid& g, const std::vector<char>& reached, Centres* centres) {
+  if (std::ranges::count(reached, 0) == 0) return;
+  Centres& c = *centres;
+  const std::vector<double> within = distance_to_edge(g, reached);
+  if (c.within_reach.empty()) c.within_reach.assign(g.size(), kFar);
+  for (std::size_t v = 0; v < g.size(); ++v) {
+    c.within_reach[v] = std::min(c.within_reach[v], within[v]);
+    c.clearance[v] = std::min(c.clearance[v], c.within_reach[v] - kOffReach);
+    c.allowed[v] = c.clearance[v] >= 0.0;
+  }
 }
 
 std::vector<Eigen::Vector2d> line_of(const PlacedArtwork& artwork, const StrokePart& part) {
@@ -350,6 +379,11 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
   if (!s.cover.region.empty()) wish_for_region(s, X_WP, errors, &plan);
   plan.centres = footprint_centres(plan.grid, plan.wish);
   require_centres(plan, s, errors);
+  // A canvas that moves comes into reach. Where the arm reaches nothing, its findings tell why.
+  Centres within = plan.centres;
+  if (!s.perception.frames.enabled)
+    keep_within(plan.grid, reached_places(s, belief, X_WP, plan.grid, within), &within);
+  if (std::ranges::count(within.allowed, 1) > 0) plan.centres = std::move(within);
   lay_lines(s, &plan);
   require_lines(plan, s, errors);
   return plan;
@@ -379,26 +413,20 @@ bool keep_within_reach(const Scenario& s, const PlannedDrawing& drawing, CoverPl
   std::vector<char> reached(g.size());
   for (std::size_t v = 0; v < g.size(); ++v) reached[v] = !(to_lost[v] < to_kept[v] + g.step);
   if (std::ranges::count(reached, 0) == 0) return false;
-  Centres& c = plan->centres;
-  const std::vector<double> within = distance_to_edge(g, reached);
-  if (c.within_reach.empty()) c.within_reach.assign(g.size(), kFar);
-  for (std::size_t v = 0; v < g.size(); ++v) {
-    c.within_reach[v] = std::min(c.within_reach[v], within[v]);
-    c.clearance[v] = std::min(c.clearance[v], c.within_reach[v] - kOffReach);
-    c.allowed[v] = c.clearance[v] >= 0.0;
-  }
-  if (std::ranges::count(c.allowed, 1) == 0) return false;
+  keep_within(g, reached, &plan->centres);
+  if (std::ranges::count(plan->centres.allowed, 1) == 0) return false;
   lay_lines(s, plan);
   return !plan->lines.passes.empty();
 }
 
-bool keep_drawn(const Scenario& s, const PlannedDrawing& drawing, CoverPlan* plan) {
+bool keep_drawn(const Scenario& s, const PlannedDrawing& drawing, Barred barred, CoverPlan* plan) {
   CoverLines& lines = plan->lines;
   const auto once = static_cast<std::ptrdiff_t>(lines.passes.size());
   const std::size_t edges = lines.edges;
   std::vector<StrokePart> lost;
   for (const Finding& f : drawing.plan.preflight.findings)
-    if (f.way == WayEnd::none && f.part.stroke < once) lost.push_back(f.part);
+    if ((f.way == WayEnd::none || barred == Barred::lost) && f.part.stroke < once)
+      lost.push_back(f.part);
   if (lost.empty()) return false;
   const auto first = drawing.artwork.strokes.begin();
   PlaneLines& kept = lines.passes;
@@ -420,7 +448,9 @@ TrueCover true_cover(const Scenario& s, const Scene& scene, const Pose& X_WP,
   CoverWish wish = plan.wish;
   wish.margin = 0.0;
   Centres centres = footprint_centres(cover.grid, wish);
-  keep_reached(s, scene.belief, X_WP, cover.grid, &centres);
+  const std::vector<char> reached = reached_places(s, scene.belief, X_WP, cover.grid, centres);
+  for (std::size_t v = 0; v < reached.size(); ++v)
+    centres.allowed[v] = centres.allowed[v] && reached[v];
   cover.reachable = swept(cover.grid, centres, wish.footprint.radius);
   return cover;
 }

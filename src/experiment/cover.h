@@ -45,9 +45,13 @@ CoverPlan plan_cover(const Scenario& scenario, const Belief& belief, const Pose&
 // as they are. Returns false if it comes everywhere.
 bool keep_within_reach(const Scenario& scenario, const PlannedDrawing& drawing, CoverPlan* plan);
 
+// The fate of a part to or off which no way led: other lines have other ways.
+enum class Barred { tried_again, lost };
+
 // Leaves out what the drawing of the lines leaves out of them, and promises what is left.
 // Returns false if all is drawn.
-bool keep_drawn(const Scenario& scenario, const PlannedDrawing& drawing, CoverPlan* plan);
+bool keep_drawn(const Scenario& scenario, const PlannedDrawing& drawing, Barred barred,
+                CoverPlan* plan);
 
 // A grid over the same places with the heights of the true canvas, and what a perfect planner
 // reaches there: the footprint anywhere in the region where it touches, the slope allows it and the

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "impedraw/experiment/top_sheet.h"
+
 namespace impedraw {
 namespace {
 
@@ -88,44 +90,6 @@ class Answers {
 // A sheet higher than this above another hides it from the pen [m].
 constexpr double kOverhang = 0.012;
 
-// The highest point of the cloud over each cell of the drawing plane.
-class TopSheet {
- public:
-  explicit TopSheet(const std::vector<Eigen::Vector3d>& points) {
-    Eigen::AlignedBox2d box;
-    for (const Eigen::Vector3d& p : points) box.extend(p.head<2>());
-    if (points.empty()) return;
-    lower_ = box.min();
-    nx_ = static_cast<int>(box.sizes().x() / kCell) + 1;
-    ny_ = static_cast<int>(box.sizes().y() / kCell) + 1;
-    top_.assign(static_cast<std::size_t>(nx_) * ny_, -std::numeric_limits<double>::infinity());
-    for (const Eigen::Vector3d& p : points) {
-      const int i = static_cast<int>((p.x() - lower_.x()) / kCell),
-                j = static_cast<int>((p.y() - lower_.y()) / kCell);
-      double& top = top_[static_cast<std::size_t>(j) * nx_ + i];
-      top = std::max(top, p.z());
-    }
-  }
-
-  // -infinity where the cloud has no point.
-  double top(double x, double y) const {
-    const double i = std::floor((x - lower_.x()) / kCell), j = std::floor((y - lower_.y()) / kCell);
-    if (!(i >= 0 && j >= 0 && i < nx_ && j < ny_)) return -std::numeric_limits<double>::infinity();
-    return top_[static_cast<std::size_t>(j) * nx_ + static_cast<std::size_t>(i)];
-  }
-
-  // Rise of a surface with normal n across a cell.
-  static double rise(const Eigen::Vector3d& n) {
-    return kCell * n.head<2>().lpNorm<1>() / std::max(n.z(), 0.1);
-  }
-
- private:
-  static constexpr double kCell = 0.008;  // [m]
-  Eigen::Vector2d lower_ = Eigen::Vector2d::Zero();
-  int nx_ = 0, ny_ = 0;
-  std::vector<double> top_;
-};
-
 // Starts at p. The paper's neighbourhoods jump as points enter and leave, so that the steps may not
 // shrink to nothing: the last one is taken if it is within kSettled. A step that is shorter than
 // kConverged leaves less than a thousandth of itself.
@@ -170,14 +134,16 @@ class CloudHeight {
   SurfaceHeight::Sample found(double x, double y, double start) const {
     constexpr double kSteep = 0.5;  // cosine of the slope from which the finer normal is asked for
     SurfaceHeight::Sample sample;
-    const double top = tops_.top(x, y);
+    const double top = tops_.top(x, y), lid = tops_.lid(x, y);
     // Another sheet lies above: the pen cannot reach this one.
     const auto covered = [&] {
-      return sample && top > sample->p_P.z() + kOverhang + tops_.rise(sample->n_P);
+      return sample && lid > sample->p_P.z() + kOverhang + TopSheet::rise(sample->n_P);
     };
     if (std::isfinite(start)) sample = descend(*surface_, X_WP_, {x, y, start});
-    if ((!sample || covered()) && std::isfinite(top))
-      sample = descend(*surface_, X_WP_, {x, y, top});
+    // Beside an overhang the cell's highest point is on another sheet.
+    for (const double from : {top, lid})
+      if ((!sample || covered()) && std::isfinite(from))
+        sample = descend(*surface_, X_WP_, {x, y, from});
     // On a steep flank the cell's highest point is far above.
     if (!sample) sample = descend(*surface_, X_WP_, {x, y, columns_.height_at(x, y)});
     if (!sample || covered()) return std::nullopt;

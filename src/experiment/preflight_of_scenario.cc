@@ -13,6 +13,8 @@ PreflightSettings preflight_settings(const Scenario& scenario, const Pose& X_WP,
   s.friction = scenario.control.friction.coefficient;
   s.normal_smoothing = scenario.path.normal_smoothing, s.lean_deg = scenario.path.lean_deg;
   s.space = scenario.control.operational_space;
+  // The foam of a pad gives way.
+  if (scenario.tool.kind == ToolKind::pad) s.tip_length = PadSettings().thickness;
   s.rest_q = rest_q;
   s.speed = scenario.path.draw_speed;
   return s;

@@ -152,7 +152,18 @@ TEST_F(Cover, StaysLevelOnATube) {
   EXPECT_LT(metrics["removal_cv"], 0.08);
 }
 
-// A third of the window lies beyond the arm's reach: lines that are cut there promise 38 cm².
+// What is too rough for a tip lies under the face of a pad, whose foam gives way.
+TEST_F(Cover, RoughGroundCutsNoLine) {
+  ASSERT_EQ(run(window("1") + " --set canvas.kind=rough"), 0) << said();
+  const auto strokes = nlohmann::json::parse(std::ifstream(folder_ / "run/strokes.json"));
+  EXPECT_TRUE(strokes["not_drawable"].empty()) << strokes["not_drawable"];
+  EXPECT_EQ(said().find("the pre-flight refuses"), std::string::npos) << said();
+  const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
+  EXPECT_GT(metrics["treated_share"], 0.995);
+}
+
+// A third of the window lies beyond the arm's reach: lines that are cut there promise 38 cm², and
+// lines that are laid anew on what is left of them 61.
 TEST_F(Cover, KeepsItsLinesWithinTheReach) {
   ASSERT_EQ(run(window("1.3") + " --set canvas.cap.centre=[0.80,0,-0.1] "
                                 "--set drawing.placement.centre=[0.80,0]"),
@@ -161,7 +172,7 @@ TEST_F(Cover, KeepsItsLinesWithinTheReach) {
   const auto whole = nlohmann::json::parse(std::ifstream(folder_ / "run/cover.json"));
   EXPECT_GT(whole["metrics"]["treated_share"], 0.995);
   EXPECT_LT(whole["metrics"]["removal_cv"], 0.12);
-  EXPECT_GT(whole["areas_cm2"]["promised"], 55.0);
+  EXPECT_GT(whole["areas_cm2"]["promised"], 62.0);
   EXPECT_NEAR(whole["areas_cm2"]["reachable"], 65.0, 3.0);  // of 84 that the pad fits
   EXPECT_NE(said().find("or where the arm does not reach"), std::string::npos) << said();
 }

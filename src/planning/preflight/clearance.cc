@@ -36,8 +36,8 @@ double segment_distance(const Canvas& canvas, const Vector3d& a, const Vector3d&
 }  // namespace
 
 Clearance::Clearance(const ArmModel& arm, const Canvas* canvas, std::optional<double> table_z,
-                     double desired, const JointVector& q)
-    : arm_(arm), canvas_(canvas), table_z_(table_z), desired_(desired) {
+                     double desired, double tip_length, const JointVector& q)
+    : arm_(arm), canvas_(canvas), table_z_(table_z), desired_(desired), tip_length_(tip_length) {
   const Vector3d tip = arm_.tip_pose(q).p;
   const std::vector<BodyCapsule> here = arm_.body_capsules(q),
                                  moved = arm_.body_capsules((q.array() + 0.1).matrix());
@@ -100,8 +100,8 @@ Gap Clearance::pen(const JointVector& q, const Pose& X_WE) {
     if (gap < result.gap) result = {gap, shaft.link, obstacle, h};
   };
   if (table_z_) {  // the gap is linear between these points
-    for (double h : {kTipLength, shaft.radius / widens, desired_ / kPenOpening, length}) {
-      h = std::clamp(h, std::min(kTipLength, length), length);
+    for (double h : {tip_length_, shaft.radius / widens, desired_ / kPenOpening, length}) {
+      h = std::clamp(h, std::min(tip_length_, length), length);
       take((X_WE.p + h * along).z() - *table_z_ - asked(h), h, "table");
     }
   }
@@ -109,7 +109,7 @@ Gap Clearance::pen(const JointVector& q, const Pose& X_WE) {
   // The gap decreases by at most this per metre of axis. Steps are as long as possible without
   // missing a contact.
   const double fastest = 1 + widens + kPenOpening;
-  for (double h = std::min(kTipLength, length);;) {
+  for (double h = std::min(tip_length_, length);;) {
     const double look = asked(h) + kFarEnough;
     const auto nearest = canvas_->closest(X_KW_ * (X_WE.p + h * along), look);
     const double gap = (nearest ? std::abs(nearest->distance) : look) - asked(h);

@@ -2,7 +2,7 @@
 // tapered rod.
 //
 // A body's gap     min over its axis of |p − canvas| or p_z − table, less its radius
-// The pen's gap    min over its axis, from kTipLength above the tip, of |p − canvas| or p_z −
+// The pen's gap    min over its axis, from `tip_length` above the tip, of |p − canvas| or p_z −
 //                  table, less ρ(h) + c(h)
 //                  ρ(h) = min(r, h sin α)        balls in the cone from the tip to the shaft's end,
 //                  tan α = r / h_0, then the shaft's
@@ -28,7 +28,6 @@
 namespace impedraw {
 
 inline constexpr double kFarEnough = 0.03;   // larger gaps are reported as this value [m]
-inline constexpr double kTipLength = 5e-3;   // unchecked length of the pen above its tip [m]
 inline constexpr double kPenOpening = 0.15;  // [1]
 
 struct Gap {
@@ -40,9 +39,9 @@ struct Gap {
 class Clearance {
  public:
   // The canvas (in W; null: none) must outlive this object. `q`: any posture of the
-  // arm. `desired`: c [m], less than kFarEnough.
+  // arm. `desired`: c [m], less than kFarEnough. `tip_length`: of the pen that is not checked [m].
   Clearance(const ArmModel& arm, const Canvas* canvas, std::optional<double> table_z,
-            double desired, const JointVector& q);
+            double desired, double tip_length, const JointVector& q);
 
   // Moves the canvas there; at first its frame K is W.
   void move_canvas(const Pose& X_WK) {
@@ -69,7 +68,7 @@ class Clearance {
   Pose X_KW_;  // of the canvas
   bool canvas_moves_ = false;
   std::optional<double> table_z_;
-  double desired_;
+  double desired_, tip_length_;
   std::vector<Body> bodies_;  // as body_capsules()
   int pen_ = -1;              // of bodies_
 };

@@ -68,7 +68,7 @@ PostureCheck::PostureCheck(const ArmModel& arm, const Canvas* obstacle, const Jo
       settings_(settings),
       start_(sized(start_q, arm, "start_q")),
       rest_(settings.rest_q ? sized(*settings.rest_q, arm, "rest_q") : start_),
-      clearance_(arm, obstacle, settings.table_z, settings.clearance, start_),
+      clearance_(arm, obstacle, settings.table_z, settings.clearance, settings.tip_length, start_),
       terms_(arm.joints()),
       law_(law_of(arm)),
       range_(law_),

@@ -98,6 +98,7 @@ struct PreflightSettings {
 
   // of arm and pen from canvas and table [m]; the pen's grows from 0 at the tip (clearance.h)
   double clearance = 5e-3;
+  double tip_length = 5e-3;  // of the pen above its tip, which may be near the canvas [m]
   // By how much the surface may be higher than known at a point of W [m]; default: nowhere. The pen
   // keeps that much further off.
   std::function<double(const Eigen::Vector3d&)> height_error;

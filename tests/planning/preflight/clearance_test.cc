@@ -14,6 +14,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double kTip = 5e-3;  // unchecked length of the pen above its tip [m]
+
 JointVector random_posture(std::mt19937& rng, const ArmLimits& limits) {
   std::uniform_real_distribution<double> share(0.1, 0.9);
   JointVector q(limits.lower.size());
@@ -51,7 +53,7 @@ TEST(Clearance, ArmAgreesWithBruteForceAlongRandomMotions) {
   for (int motion = 0; motion < 40; ++motion) {
     JointVector q = random_posture(rng, arm.limits()), v = q;
     for (int j = 0; j < q.size(); ++j) v[j] = 0.03 * unit(rng);
-    Clearance clearance(arm, &canvas, {}, 5e-3, q);
+    Clearance clearance(arm, &canvas, {}, 5e-3, kTip, q);
     for (int step = 0; step < 25; ++step, q += v) {
       const double truth = brute_force(arm.body_capsules(q), canvas), gap = clearance.arm(q).gap;
       if (truth < 0) {
@@ -83,16 +85,16 @@ TEST(Clearance, WallAndTableAtAKnownDistance) {
   }
   for (double d : {-0.01, 0.002, 0.012, 0.025}) {
     const Canvas wall(surfaces::wall(reach + d, 3, -1, 3));
-    const Gap gap = Clearance(arm, &wall, {}, 5e-3, q).arm(q);
+    const Gap gap = Clearance(arm, &wall, {}, 5e-3, kTip, q).arm(q);
     EXPECT_NEAR(gap.gap, d, std::max(0.0, 0.12 * d) + 1.2e-3);
     EXPECT_EQ(gap.body, foremost);
     EXPECT_EQ(gap.obstacle, "canvas");
-    const Gap table = Clearance(arm, nullptr, lowest - d, 5e-3, q).arm(q);
+    const Gap table = Clearance(arm, nullptr, lowest - d, 5e-3, kTip, q).arm(q);
     EXPECT_NEAR(table.gap, d, 1e-12);
     EXPECT_EQ(table.body, undermost);
     EXPECT_EQ(table.obstacle, "table");
   }
-  EXPECT_EQ(Clearance(arm, nullptr, 0.0, 5e-3, q).arm(q).gap, kFarEnough)
+  EXPECT_EQ(Clearance(arm, nullptr, 0.0, 5e-3, kTip, q).arm(q).gap, kFarEnough)
       << "the base stands on its table";
 }
 
@@ -103,15 +105,29 @@ TEST(Clearance, PenAndAWallBesideIt) {
   // The shaft is 5 mm thick and upright; 100 mm up the clearance is all asked.
   for (double d : {0.004, 0.008, 0.012, 0.03}) {
     const Canvas wall(surfaces::wall(X_WE.p.x() + d, 1, -1, 2));
-    EXPECT_NEAR(Clearance(arm, &wall, {}, 5e-3, q).pen(q, X_WE).gap, d - 0.005 - 0.005, 2e-6);
+    EXPECT_NEAR(Clearance(arm, &wall, {}, 5e-3, kTip, q).pen(q, X_WE).gap, d - 0.005 - 0.005, 2e-6);
   }
   // As low as 20 mm the clearance asked is 3 mm.
   const Canvas low(surfaces::wall(X_WE.p.x() + 0.009, 1, -1, X_WE.p.z() + 0.02));
-  const Gap gap = Clearance(arm, &low, {}, 5e-3, q).pen(q, X_WE);
+  const Gap gap = Clearance(arm, &low, {}, 5e-3, kTip, q).pen(q, X_WE);
   EXPECT_GT(gap.gap, 0.0);
   EXPECT_LT(gap.gap, 0.009 - 0.005 - 0.02 * kPenOpening + 1e-6);
-  EXPECT_GT(Clearance(arm, nullptr, X_WE.p.z(), 5e-3, q).pen(q, X_WE).gap, 0)
+  EXPECT_GT(Clearance(arm, nullptr, X_WE.p.z(), 5e-3, kTip, q).pen(q, X_WE).gap, 0)
       << "drawing on the table itself";
+}
+
+// A pad's foam gives way.
+TEST(Clearance, ALongerTipMayBeNear) {
+  ArmModel arm(surfaces::kArm);
+  const JointVector q = surfaces::start_posture(arm);
+  const Pose X_WE = arm.tip_pose(q);
+  const auto gap = [&](double top, double tip_length) {
+    const Canvas low(surfaces::wall(X_WE.p.x() + 1e-3, 1, -1, X_WE.p.z() + top));
+    return Clearance(arm, &low, {}, 5e-3, tip_length, q).pen(q, X_WE).gap;
+  };
+  EXPECT_LT(gap(0.007, kTip), 0.0);
+  EXPECT_GT(gap(0.004, 0.01), 0.0);
+  EXPECT_LT(gap(0.012, 0.01), 0.0);
 }
 
 TEST(Clearance, PenStandsOnASlopeOfUpTo53Degrees) {
@@ -130,7 +146,7 @@ TEST(Clearance, PenStandsOnASlopeOfUpTo53Degrees) {
       plane.width = plane.height = 1;
       plane.edge = 0.1;
       const Canvas canvas(make_plane(plane));
-      const Gap gap = Clearance(arm, &canvas, {}, 5e-3, q).pen(q, X_WE);
+      const Gap gap = Clearance(arm, &canvas, {}, 5e-3, kTip, q).pen(q, X_WE);
       EXPECT_EQ(gap.gap < 0, std::cos(slope) < 5 / std::sqrt(125.0) + kPenOpening)
           << degrees << "°, turned " << turn << ": " << gap.gap;
     }
