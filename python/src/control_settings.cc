@@ -74,6 +74,8 @@ void bind_control_settings(nb::module_& m) {
              "tip to estimated surface [m], 0 to 0.05")
       .field("search_distance", &ContactSettings::search_distance,
              "the same, with a measured wrench [m], 0 to 0.05")
+      .field("first_search_distance", &ContactSettings::first_search_distance,
+             "the same, before the first touch [m], 0 to 0.05")
       .field("leave_distance", &ContactSettings::leave_distance,
              "[m], above enter_distance, to 0.1")
       .field("touch_force", &ContactSettings::touch_force, "measured, along n [N], 0 to 50")

@@ -1,5 +1,7 @@
 #include "impedraw/control/contact_mode.h"
 
+#include <algorithm>
+
 #include "impedraw/common/errors.h"
 #include "impedraw/common/range_check.h"
 #include "impedraw/control/describe_control.h"
@@ -64,8 +66,14 @@ ContactMode ContactStates::next(const ContactEvidence& e) noexcept {
   if (e.carried && e.surface_known && mode_ == Mode::contact && e.wrench_known && !no_force)
     distance_at_touch_ += dt_ / kFollows * (e.distance - distance_at_touch_);
 
-  const bool near = e.surface_known && e.distance < (e.wrench_known ? settings_.search_distance
-                                                                    : settings_.enter_distance);
+  // A hand that lifts the pen is quicker than a cloud's error changes along a line.
+  if (mode_ == Mode::contact && e.surface_known && e.wrench_known && !no_force)
+    felt_ = felt_ ? *felt_ + dt_ / kFollows * (e.distance - *felt_) : e.distance;
+  const double search = e.carried ? settings_.search_distance
+                        : felt_   ? std::max(0.0, *felt_) + settings_.search_distance
+                                  : settings_.first_search_distance;
+  const bool near =
+      e.surface_known && e.distance < (e.wrench_known ? search : settings_.enter_distance);
   const bool held = e.wrench_known ? e.normal_force > settings_.touch_force
                                    : e.approach_gap > settings_.touch_gap;
   const double error = mode_ == Mode::contact ? distance_at_touch_ : 0.0;

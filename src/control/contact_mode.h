@@ -12,7 +12,8 @@
 // A pen deeper than `deepest` beneath the surface as estimated, less the error found at touch,
 // counts as surface lost.
 // Touch requires the tip to be near the estimated surface *and* something to hold it. With a
-// measured wrench, that is a normal force within `search_distance`. Without one, it is a tip that
+// measured wrench, that is a normal force within `search_distance` of where the surface was felt
+// last, or within `first_search_distance` of the estimate. Without one, it is a tip that
 // no longer follows the approach, within `enter_distance`. Distance alone would start the push
 // before touch, with a force peak of twice the push. The distance at a measured touch is treated as
 // an error of the estimate or of the pen's length, and is subtracted until the touch is lost; on a
@@ -21,6 +22,7 @@
 // is lost beyond `leave_distance` (hysteresis) or after `loss_time` without measured force.
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 namespace impedraw {
@@ -32,8 +34,10 @@ inline constexpr std::string_view kContactModeNames[] = {"free", "approach", "co
 struct ContactSettings {
   double enter_distance = 1.0e-3;   // tip to estimated surface [m]
   double search_distance = 4.0e-3;  // the same, with a measured wrench [m]
-  double leave_distance = 2.5e-3;   // [m], > enter_distance
-  double touch_force = 0.3;         // measured, along n [N]
+  // The same, before the first touch: cameras that agree may err together [m].
+  double first_search_distance = 4.0e-3;
+  double leave_distance = 2.5e-3;  // [m], > enter_distance
+  double touch_force = 0.3;        // measured, along n [N]
   double touch_gap = 0.8e-3;  // lag of the tip behind the approach at touch, without a wrench [m]
   double loss_force = 0.05;   // measured, along n [N]
   double loss_time = 0.03;    // time below loss_force after which touch is lost [s]
@@ -72,6 +76,7 @@ class ContactStates {
   double dt_;
   ContactMode mode_ = ContactMode::free;
   double distance_at_touch_ = 0.0;  // [m]
+  std::optional<double> felt_;      // distance at which a force held the tip lately [m]
   double time_without_force_ = 0.0;
   double time_without_surface_ = 0.0;
 };

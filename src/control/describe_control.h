@@ -31,6 +31,7 @@ template <class F>
 void describe(F& f, ContactSettings& s) {
   f.constant("enter_distance", s.enter_distance, {0.0, 0.05}, "m");
   f.constant("search_distance", s.search_distance, {0.0, 0.05}, "m");
+  f.constant("first_search_distance", s.first_search_distance, {0.0, 0.05}, "m");
   f.constant("leave_distance", s.leave_distance, Range::positive_to(0.1), "m");
   f.field("touch_force", s.touch_force, {0.0, 50.0}, "N",
           "Measured normal force above which the pen touches.");

@@ -31,6 +31,10 @@ std::vector<std::string> control_setting_names() {
 constexpr double kFrictionShare = 0.005;  // of the joint's torque limit
 constexpr double kLeastFriction = 1.5;    // [Nm]
 
+// Error that cameras which agree may share, by the scale of their depths or by their places: the
+// first touch is looked for so far above and beneath the surface as seen [m].
+constexpr double kCamerasErr = 0.01;
+
 // A session with a real arm lets 900 Nm/s pass: the law stays below, so that it knows of the limit.
 constexpr double kRealTorqueRate = 850.0;  // [Nm/s]
 
@@ -248,6 +252,10 @@ ControlSetup make_control_setup(const Scenario& s, const Belief& belief, const P
   set_up_joint_sensing(s, belief.arm.joints(), setting_errors, &setup);
   choose_mass(s.control, s.perception.frames.enabled,
               &setup.impedance);  // an estimated velocity follows late
+  if (belief.perception && !s.perception.frames.enabled &&
+      setup.impedance.wrench == WrenchFeedback::measured)
+    setup.impedance.contact.first_search_distance = setup.impedance.approach.overtravel =
+        kCamerasErr;
   if (belief.by_touch()) {
     ImpedanceSettings& control = setup.impedance;
     // An approach begins at the upper level, or lower, and may have to go down to the lower one.

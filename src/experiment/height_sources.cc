@@ -274,23 +274,27 @@ SurfaceHeight counted(SurfaceHeight surface, double expected,
 
 SurfaceHeight nearest_sheet(std::shared_ptr<const Canvas> canvas, const Pose& X_WP,
                             SurfaceHeight planned) {
-  // The true sheet that shows its front nearest to p, within kJudged.
-  const auto sheet_at = [canvas, X_WP,
-                         X_PW = X_WP.inverse()](const Eigen::Vector3d& p) -> SurfaceHeight::Sample {
+  // The true sheet that shows its front nearest to p.
+  const auto sheet_within = [canvas, X_WP, X_PW = X_WP.inverse()](
+                                const Eigen::Vector3d& p, double least) -> SurfaceHeight::Sample {
     SurfaceHeight::Sample nearest;
-    double least = kJudged;
     constexpr int kMostSheets = 16;
-    double z = p.z() + kJudged;
+    const double lowest = p.z() - least;
+    double z = p.z() + least;
     for (int i = 0; i < kMostSheets; ++i) {
       const auto hit = canvas->ray(X_WP * Eigen::Vector3d(p.x(), p.y(), z), -X_WP.R.col(2));
       if (!hit) break;
       const SurfaceSample sheet{X_PW * hit->p_W, X_PW.R * hit->n_W};
       const double off = std::abs(sheet.p_P.z() - p.z());
       if (sheet.n_P.z() > 0.0 && off <= least) least = off, nearest = sheet;
-      if (sheet.p_P.z() < p.z() - kJudged) break;
+      if (sheet.p_P.z() < lowest) break;
       z = sheet.p_P.z() - 1e-6;
     }
     return nearest;
+  };
+  const auto sheet_at = [sheet_within](const Eigen::Vector3d& p) {
+    const auto sheet = sheet_within(p, kJudged);
+    return sheet ? sheet : sheet_within(p, kMisjudged);
   };
   return [sheet_at, planned = std::move(planned), upper = canvas_height(canvas, X_WP)](
              double x, double y, SurfaceHeight::Sample& last) -> SurfaceHeight::Sample {

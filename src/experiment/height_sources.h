@@ -36,9 +36,10 @@ SurfaceHeight counted(SurfaceHeight surface, double expected,
                       std::function<void(double share)> tell);
 
 // For judging a drawing: of the true canvas's sheets that show their front, the one nearest to a
-// planned height. Where none lies within kJudged of it, the planned point itself; where nothing is
-// planned, the upper sheet.
-inline constexpr double kJudged = 5e-3;  // [m]
+// planned height. Cameras that err alike plan millimetres beside the sheet that the pen then feels.
+// Where none lies within kMisjudged, the planned point itself; where nothing is planned, the upper
+// sheet.
+inline constexpr double kJudged = 5e-3, kMisjudged = 12e-3;  // [m]
 SurfaceHeight nearest_sheet(std::shared_ptr<const Canvas> canvas, const Pose& X_WP,
                             SurfaceHeight planned);
 

@@ -41,7 +41,8 @@ ControlLoop::ControlLoop(const ControlSetup& setup, const ArmModel& arm, const D
       controller_(setup.impedance, arm.joints()),
       period_(driver.period),
       coupled_(setup.impedance.inertia != InertiaShaping::shaped),
-      terms_(arm.joints()) {
+      terms_(arm.joints()),
+      felt_height_(setup.impedance.surface.drawing_axis_W) {
   require_fit(setup, arm.joints(), driver);
   if (has_sensor(setup.source)) estimator_.emplace(setup.estimator);
   if (setup.joint_estimator) joint_estimator_.emplace(*setup.joint_estimator, arm.joints());
@@ -84,6 +85,7 @@ const ImpedanceTorque& ControlLoop::step(const ArmState& state,
   if (joint_estimator_) joint_estimator_->commanded(terms_, F_ext_, out.tau, controller_.space());
   mode_ = out.mode;
   n_ = out.n_WD;
+  if (surface_source_ && !canvas_.follows()) felt_height_.update(surface_, mode_, period_);
   return out;
 }
 
@@ -97,7 +99,8 @@ void ControlLoop::avoid_canvas(const TipReference& given, double time) noexcept 
 
 // The reference in W.
 TipReference ControlLoop::on_canvas(const TipReference& given) noexcept {
-  const TipReference reference = canvas_.in_world(given);
+  TipReference reference = canvas_.in_world(given);
+  if (!canvas_.follows()) reference = felt_height_.of(reference);
   if (canvas_.joined())
     return soft_.of(reference, !given.pen_down && mode_ == ContactMode::free, period_);
   soft_.reset();

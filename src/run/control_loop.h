@@ -12,6 +12,7 @@
 #include "impedraw/experiment/control_setup.h"
 #include "impedraw/run/canvas_follower.h"
 #include "impedraw/run/driver.h"
+#include "impedraw/run/felt_height.h"
 #include "impedraw/run/keep_away.h"
 #include "impedraw/run/soft_corrections.h"
 #include "impedraw/sensing/joint_state_estimator.h"
@@ -113,6 +114,7 @@ class ControlLoop {
   double wrench_time_ = std::numeric_limits<double>::quiet_NaN();  // of F_ext_ [s]
   Eigen::Vector3d n_ = Eigen::Vector3d::UnitZ();                   // of the last step
   ContactMode mode_ = ContactMode::free;                           // of the last step
+  FeltHeight felt_height_;
   HitRetreat hit_;
   KeepAway keep_away_;
   SoftCorrections soft_;

@@ -50,6 +50,28 @@ TEST(ContactStates, AMeasuredTouchCorrectsTheDistance) {
   EXPECT_EQ(states.next(over_the_surface(0.0046, 5.0)), ContactMode::approach);
 }
 
+// Cameras that err together: the first touch tells by how much, and a hand that lifts the pen later
+// is not taken for the canvas.
+TEST(ContactStates, TheFirstTouchTellsWhereTheSurfaceIs) {
+  ContactSettings settings;
+  settings.first_search_distance = 0.01;
+  const auto touches_at = [&](double first, double then) {
+    ContactStates states(settings, 1e-3);
+    states.next(over_the_surface(0.012, 0.0));
+    EXPECT_EQ(states.next(over_the_surface(first, 2.0)), ContactMode::contact);
+    for (int i = 0; i < 3; ++i) states.next(over_the_surface(first, 2.0));
+    for (int i = 0; i < 100; ++i) states.next(over_the_surface(first, 0.0));
+    EXPECT_EQ(states.mode(), ContactMode::approach);
+    return states.next(over_the_surface(then, 2.0)) == ContactMode::contact;
+  };
+  EXPECT_TRUE(touches_at(0.008, 0.0115));
+  EXPECT_FALSE(touches_at(0.001, 0.0055));
+  EXPECT_TRUE(touches_at(-0.003, 0.0035));
+  ContactStates states(settings, 1e-3);
+  states.next(over_the_surface(0.012, 0.0));
+  EXPECT_EQ(states.next(over_the_surface(0.011, 2.0)), ContactMode::approach);
+}
+
 // On a canvas that is followed the error at touch was the forecast's at that time. The defect: one
 // of 3 mm stayed, and made a pen on the canvas 4 mm beneath a later forecast a lost one.
 TEST(ContactStates, OnAFollowedCanvasTheErrorAtTouchIsFoundAnew) {

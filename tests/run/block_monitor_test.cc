@@ -128,6 +128,28 @@ TEST_F(Blocked, ByAGapInWhichTheTipSinks) {
   EXPECT_EQ(cycles(), -1) << "it is on its way up";
 }
 
+// Cameras that err together put the surface millimetres beside where it is, which the run's first
+// touch tells: before it, no gap is certain.
+TEST_F(Blocked, ByAGapBelowWhereASurfaceWasFelt) {
+  const auto deepest = [this] {
+    monitor_.begin_path();
+    made_.F_ext[2] = 0.0;
+    made_.surface = {SurfaceStatus::ok, Vector3d::UnitZ(), 0.0};
+    while (made_.surface.distance > -20e-3 && !judge()) made_.surface.distance -= 0.1e-3;
+    return made_.surface.distance;
+  };
+  EXPECT_NEAR(deepest(), -9e-3, 0.2e-3);
+  monitor_.begin_path();
+  made_.surface.distance = -4e-3;
+  made_.F_ext[2] = 5.0;
+  EXPECT_EQ(cycles(), -1);
+  EXPECT_NEAR(deepest(), -7e-3, 0.2e-3);
+  made_.surface.distance = 2e-3;
+  made_.F_ext[2] = 5.0;
+  EXPECT_EQ(cycles(), -1);
+  EXPECT_NEAR(deepest(), -3e-3, 0.2e-3);
+}
+
 // A surface that falls under a pen that moves along it is followed; what gives way under a pen that
 // only goes down is a gap.
 TEST_F(Blocked, ByAGapAlongWhoseSideTheTipGoesDown) {

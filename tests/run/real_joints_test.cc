@@ -16,6 +16,25 @@ namespace {
 TEST(Real, Sine) { draw_within_bounds("bowl-sine-real"); }
 TEST(Real, M) { draw_within_bounds("bowl-m-real"); }
 
+// Cameras that all read too far or too near agree with each other. The defects: touch 4 mm beside
+// the surface as seen was none, a lift pressed by a plan beneath the canvas, and ink on a canvas 5
+// mm beside the seen one was judged by that.
+TEST(Real, DepthsThatAllReadTooFarOrTooNearAreDrawnWith) {
+  for (const char* scale : {"0.003", "-0.003", "0.005", "-0.005"}) {
+    SCOPED_TRACE(scale);
+    const Figures f =
+        draw_scenario("bowl-sine-real", {std::string("perception.errors.depth_scale=") + scale});
+    EXPECT_LE(f["ink_error_rms"], 0.3);
+    EXPECT_LE(f["ink_error_max"], 1.2);
+    EXPECT_GE(f["coverage"], 0.995);
+    EXPECT_EQ(f["drawn"], 1.0);
+    EXPECT_NEAR(f["force_mean"], 5.0, 0.15);
+    EXPECT_LE(f["force_sd"], 0.3);
+    // The first touch of 0.5 % comes before the pen has slowed down.
+    EXPECT_LE(f["contact_force_max"], scale[0] == '0' && scale[4] == '5' ? 20.0 : 8.0);
+  }
+}
+
 TEST(VelocityNoise, SineOnEstimatedVelocities) { draw_within_bounds("bowl-sine-velocity-noise"); }
 
 // The defect: the noisy velocities themselves shake the arm.

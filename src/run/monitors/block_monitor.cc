@@ -41,12 +41,13 @@ BlockMonitor::BlockMonitor(const Experiment& e)
           kSteepest,
           kNormalOff + std::atan(std::hypot(
                            e.control.impedance.friction.coefficient,
-                           std::tan(e.control.impedance.friction.normal_error_deg * kDegree)))))) {}
+                           std::tan(e.control.impedance.friction.normal_error_deg * kDegree)))))),
+      deepest_(std::max(SinkMonitor::kDeepest, e.control.impedance.approach.overtravel - 1e-3)) {}
 
 void BlockMonitor::begin_path() noexcept {
   wall_.reset();
   side_.reset();
-  sink_.reset();
+  sink_.reset(deepest_);
 }
 
 Verdict BlockMonitor::judge(const Cycle& cycle, const TipPath& path, double planned, bool unseen,
@@ -59,7 +60,7 @@ Verdict BlockMonitor::judge(const Cycle& cycle, const TipPath& path, double plan
   const bool down = out.mode == ContactMode::contact || out.mode == ContactMode::approach;
   if (!down) {
     side_.reset();
-    sink_.reset();
+    sink_.reset(deepest_);
   }
   const Eigen::Vector3d f = cycle.F_ext.head<3>();
   const bool sunk = down && !cycle.canvas.follows() && sinks(cycle);
@@ -100,7 +101,10 @@ bool BlockMonitor::sinks(const Cycle& cycle) noexcept {
   if (touches) touched_ = {desired.stroke, desired.along, desired.along};
   const Eigen::Vector3d v = cycle.velocity_on_canvas();
   const double way = (v - n.dot(v) * n).norm() * cycle.dt;
-  return sink_.update(cycle.surface.distance, way, touches, cycle.dt);
+  const bool sunk = sink_.update(cycle.surface.distance, way, touches, cycle.dt);
+  if (sink_.held() && std::isfinite(cycle.surface.distance))
+    deepest_ = SinkMonitor::kDeepest - std::min(0.0, cycle.surface.distance);
+  return sunk;
 }
 
 }  // namespace impedraw

@@ -44,6 +44,9 @@ class BlockMonitor {
   WallMonitor wall_;
   SideMonitor side_;
   SinkMonitor sink_;
+  // Below the estimated surface, where a stroke has touched nothing yet; before the run's first
+  // touch, as far as cameras that agree may err together [m].
+  double deepest_;
   StrokePart touched_{-1, 0.0, 0.0};  // where the surface held the tip last
   bool retreats_ = false;             // the controller, in the cycle before
 };

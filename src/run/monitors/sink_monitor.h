@@ -16,7 +16,13 @@ class SinkMonitor {
   // nothing [s].
   static constexpr double kSteepest = 2.0, kHeld = 0.03;
 
-  void reset() noexcept { *this = {}; }
+  // deepest: below the estimated surface, before any touch [m].
+  void reset(double deepest = kDeepest) noexcept {
+    *this = {};
+    at_touch_ = kSunk - deepest;
+  }
+  // The surface holds the tip for certain.
+  bool held() const noexcept { return held_ >= kHeld; }
 
   // One cycle with the tip on the surface, or on its way down. distance: to the estimated surface
   // [m]; way: of the tip along it in this cycle [m]; touches: the surface holds the tip. True while
