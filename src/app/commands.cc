@@ -30,19 +30,6 @@ fs::path folder_for(const DrawOptions& options, const Scenario& scenario) {
   return options.out.empty() ? fs::path("runs") / scenario.name : options.out;
 }
 
-// Throws unless the settings are those with which the run in `folder` was begun.
-void require_same(const Scenario& scenario, const fs::path& folder) {
-  Places places;
-  std::istringstream now(settings_yaml(scenario)),
-      then(settings_yaml(recorded_scenario(folder, &places)));
-  for (std::string a, b; std::getline(then, a) && std::getline(now, b);)
-    if (a != b)
-      throw InputError(
-          fmt::format("--resume: the run in {} was started with '{}', now it is '{}'; use the same "
-                      "settings, or only --out",
-                      folder.string(), a, b));
-}
-
 PageContext page_of(const fs::path& folder, const Experiment& experiment) {
   return page_context(experiment.scenario, experiment.artwork, draw_again(folder));
 }
@@ -210,7 +197,7 @@ int draw(const DrawOptions& options, const LiveOptions& live, bool table) {
     as_given.control.pen_axis = completed.pen_axis;
     as_given.control.normal_error_deg = completed.normal_error_deg;
     as_given.control.felt_normal.share = completed.felt_normal.share;
-    require_same(as_given, folder);
+    require_same_settings(as_given, folder);
   }
   require_steady_loop(experiment.scenario, live);
   print_notes(experiment);

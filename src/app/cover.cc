@@ -270,6 +270,21 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+// Throws unless the run in `folder` was begun with these settings but for what its lines completed,
+// and with the same files.
+void require_begun_with(Scenario s, const fs::path& folder) {
+  Places places;
+  const Scenario then = recorded_scenario(folder, &places);
+  s.drawing.svg = then.drawing.svg;
+  s.arm.start_p_WE = then.arm.start_p_WE;
+  s.control.pen_axis = then.control.pen_axis;
+  s.control.normal_error_deg = then.control.normal_error_deg;
+  s.control.felt_normal.share = then.control.felt_normal.share;
+  require_same_settings(s, folder);
+  s.drawing.svg.clear();
+  find_inputs(&s, folder, InputsFrom::originals);
+}
+
 }  // namespace
 
 int cover(const DrawOptions& given, const fs::path& region, bool table) {
@@ -311,6 +326,7 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
         with_normals_of(plan.centres.feet, plan.grid, std::move(scene.belief.surface));
   scenes.give_back(std::move(scene));
   make_folder(folder);
+  const FolderLock lock(folder);
   const fs::path strokes = fs::absolute(folder / kCoverLines),
                  draft = fs::absolute(folder / "cover-draft.csv");
   const std::string begun_along = begun ? text_of(strokes) : "";
@@ -346,6 +362,7 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
     cut = round < kRelaid && keep_drawn(scenario, *laid, Barred::lost, &plan);
   }
   fs::remove(draft);
+  if (begun && has_steps(folder / "run.h5")) require_begun_with(laid->scenario, folder);
   if (begun && begun_along != cover_strokes(plan, scenario))
     throw InputError(
         fmt::format("--resume: the area in {} was begun along other lines; use the same settings",
@@ -369,7 +386,8 @@ int cover(const DrawOptions& given, const fs::path& region, bool table) {
     results = results_of(experiment, plan, truth, judge);
     write_whole(folder / kCoverFile, results.whole.dump(2) + "\n");
   };
-  const Drawing drawing = draw_into(folder, experiment, seconds_since(start), begun, hooks);
+  const Drawing drawing =
+      draw_into(folder, experiment, seconds_since(start), begun, hooks, {}, &lock);
   write_cover(picture_of(scenario, plan, truth, judge, results), folder / "cover");
   say(stdout, "{}: {:.2f} s simulated in {:.2f} s\n", scenario.name, drawing.outcome.simulated,
       drawing.outcome.wall.loop);

@@ -182,9 +182,10 @@ std::function<void()> give_up_on(const Interrupt& interrupt, const fs::path& fol
 
 Drawing draw_into(const fs::path& folder, const Experiment& experiment,
                   const DriverMaker& make_driver, double start_up, bool resume,
-                  const RunHooks& watch) {
+                  const RunHooks& watch, const FolderLock* held) {
   make_folder(folder);
-  const FolderLock lock(folder);
+  std::optional<FolderLock> lock;
+  if (!held) lock.emplace(folder);
   require_own_log(folder);
   std::optional<Resumption> resumption;
   if (resume) resumption = resumption_in(folder, experiment);

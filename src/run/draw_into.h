@@ -8,6 +8,7 @@
 
 #include "impedraw/metrics/metrics.h"
 #include "impedraw/run/run.h"
+#include "impedraw/run/run_folder.h"
 #include "impedraw/terminal/interrupt.h"
 
 namespace impedraw {
@@ -20,6 +21,7 @@ struct Drawing {
 
 // start_up: preparation time [s]. `resume`: continues the run in the folder, or begins it if
 // nothing has been drawn yet. `watch`: hooks beside the own ones; a signal ends what is held.
+// `held`: of the folder, where the caller has written there already; null: it is locked here.
 // Throws InputError if another process writes there, Interrupted if a signal comes while the
 // results are made.
 //
@@ -29,7 +31,7 @@ using DriverMaker =
     std::function<std::unique_ptr<Driver>(const JointVector& start_q, const Resumption* resumed)>;
 Drawing draw_into(const std::filesystem::path& folder, const Experiment& experiment,
                   const DriverMaker& make_driver, double start_up, bool resume = false,
-                  const RunHooks& watch = {});
+                  const RunHooks& watch = {}, const FolderLock* held = nullptr);
 
 // Throws Interrupted once a signal has come: the results in the folder are left unfinished. Refers
 // to `interrupt`.

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <ctime>
 #include <initializer_list>
+#include <sstream>
 #include <thread>
 
 #include <fmt/chrono.h>
@@ -224,6 +225,18 @@ Scenario recorded_scenario(const fs::path& folder, Places* places) {
     *places = read_settings(scenario, file);
   }
   return scenario;
+}
+
+void require_same_settings(const Scenario& scenario, const fs::path& folder) {
+  Places places;
+  std::istringstream now(settings_yaml(scenario)),
+      then(settings_yaml(recorded_scenario(folder, &places)));
+  for (std::string a, b; std::getline(then, a) && std::getline(now, b);)
+    if (a != b)
+      throw InputError(
+          fmt::format("--resume: the run in {} was started with '{}', now it is '{}'; use the same "
+                      "settings, or only --out",
+                      folder.string(), a, b));
 }
 
 void find_inputs(Scenario* scenario, const fs::path& folder, InputsFrom from) {

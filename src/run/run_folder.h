@@ -71,6 +71,10 @@ void write_inputs(const std::filesystem::path& folder, const Scenario& scenario,
 // older version wrote the log. Throws InputError if there are none.
 Scenario recorded_scenario(const std::filesystem::path& folder, Places* places);
 
+// Throws InputError naming the first setting that is another one than the run in `folder` was begun
+// with.
+void require_same_settings(const Scenario& scenario, const std::filesystem::path& folder);
+
 enum class InputsFrom {
   originals,  // of a run that goes on: the files themselves; the copies where they are gone
   folder      // the copies; the files themselves where copies are gone

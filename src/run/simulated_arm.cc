@@ -226,8 +226,9 @@ RunOutcome run(Prepared& e, const std::filesystem::path& log_file, double start_
 }
 
 Drawing draw_into(const std::filesystem::path& folder, Prepared& e, double start_up, bool resume,
-                  const RunHooks& watch, const DriverMaker& make_driver) {
-  return draw_into(folder, e, make_driver ? make_driver : simulated(e), start_up, resume, watch);
+                  const RunHooks& watch, const DriverMaker& make_driver, const FolderLock* held) {
+  return draw_into(folder, e, make_driver ? make_driver : simulated(e), start_up, resume, watch,
+                   held);
 }
 
 Prepared prepare_visibly(const Scenario& scenario, const Places& places) {

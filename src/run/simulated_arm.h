@@ -86,7 +86,7 @@ RunOutcome run(Prepared& drawing, const std::filesystem::path& log_file, double 
 // As draw_into() of draw_into.h. make_driver: another arm that draws; empty: the simulated one.
 Drawing draw_into(const std::filesystem::path& folder, Prepared& drawing, double start_up,
                   bool resume = false, const RunHooks& watch = {},
-                  const DriverMaker& make_driver = {});
+                  const DriverMaker& make_driver = {}, const FolderLock* held = nullptr);
 
 // Like prepare(), and prepare_plan() with Unreachable::tell whose control is set up, too, with a
 // progress line on a terminal.

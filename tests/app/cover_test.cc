@@ -240,6 +240,11 @@ TEST_F(Cover, GoesOnAfterAnInterrupt) {
       << said();
   EXPECT_EQ(run(window("1") + " --resume"), 2);
   EXPECT_NE(said().find("begun along other lines"), std::string::npos) << said();
+  // The same lines, gone along at another speed.
+  EXPECT_EQ(run("--set path.draw_speed=0.05 --resume"), 2);
+  EXPECT_NE(said().find("was started with '  draw_speed: 0.1', now it is '  draw_speed: 0.05'"),
+            std::string::npos)
+      << said();
   ASSERT_EQ(run("--resume"), 0) << said();
   const auto metrics = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
   EXPECT_GT(metrics["treated_share"], 0.995);
@@ -250,6 +255,25 @@ TEST_F(Cover, GoesOnAfterAnInterrupt) {
   const auto again = nlohmann::json::parse(std::ifstream(folder_ / "run/metrics.json"));
   EXPECT_EQ(again["treated_share"], metrics["treated_share"]);
   EXPECT_EQ(again["force_mean"], metrics["force_mean"]);
+}
+
+// The later one replaced the lines of the one that was under way.
+TEST_F(Cover, LeavesAFolderAloneThatAnotherOnePlansInto) {
+  const auto start = [&](const std::string& scale) {
+    return std::string(IMPEDRAW) + " cover --out " + (folder_ / "run").string() + " " +
+           window(scale) + " > " + (folder_ / ("said" + scale)).string() + " 2>&1";
+  };
+  const std::string both = start("1") + " & p=$!; while ! test -e " +
+                           (folder_ / "run/cover.csv").string() + "; do sleep 0.01; done; " +
+                           start("0.8") + "; second=$?; wait $p && exit $second";
+  EXPECT_EQ(WEXITSTATUS(std::system(both.c_str())), 2);
+  std::stringstream lines, begun, said;
+  lines << std::ifstream(folder_ / "run/cover.csv").rdbuf();
+  begun << std::ifstream(folder_ / "run/inputs/cover.csv").rdbuf();
+  said << std::ifstream(folder_ / "said0.8").rdbuf();
+  EXPECT_EQ(lines.str(), begun.str());
+  EXPECT_NE(said.str().find("writes there; wait until it has ended"), std::string::npos)
+      << said.str();
 }
 
 // Killed while the pad presses: the sensor is tared off the surface, not on it.
