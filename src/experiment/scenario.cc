@@ -292,7 +292,7 @@ void describe(Fields& f, LayerPenSettings& s) {
 
 void describe(Fields& f, ToolSettings& s) {
   f.choice(
-      "kind", s.kind, {"pen", "pad", "engraver", "blade", "roller", "nozzle"},
+      "kind", s.kind, Words(std::begin(kToolNames), std::end(kToolNames)),
       "What touches the canvas. pen: the ball of world.tip. pad: a rigid disc with a layer of "
       "foam. engraver: a turning cone that cuts grooves. blade: an edge that is led along the "
       "lines. roller: a line across them that rolls. nozzle: its jet sprays or dispenses along "

@@ -59,6 +59,8 @@ struct FaultSettings {
 
 // The tool at the arm's end, and how an area is covered with it.
 enum class ToolKind { pen, pad, engraver, blade, roller, nozzle };
+// As settings and messages call them.
+inline constexpr const char* kToolNames[] = {"pen", "pad", "engraver", "blade", "roller", "nozzle"};
 enum class Swivel { spot, lifted };  // of a tool that is led, at corners
 
 struct ToolSettings {
@@ -390,6 +392,11 @@ bool is_rehearsal(const Scenario& scenario);
 // Something touches the canvas: no nozzle is held, and the drawing is no dry run.
 inline bool touches(const Scenario& s) {
   return !s.drawing.dry_run && s.tool.kind != ToolKind::nozzle;
+}
+
+// The tool, as messages call it.
+inline const char* name_of_tool(const Scenario& s) {
+  return kToolNames[static_cast<std::size_t>(s.tool.kind)];
 }
 
 // The tip in the simulated world: world.tip, or a jet that presses on nothing.

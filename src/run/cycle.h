@@ -28,6 +28,7 @@ struct Cycle {
   bool tared = false;        // the wrench sensor's bias is known, or there is no sensor
   bool inked = false;        // the pen writes, and where it should
   double confirmed = 0.0;    // share of the felt motion along n that frames confirm (felt_motion.h)
+  const char* tool = "pen";  // what the arm holds, for people
 
   // When the state after it was read, from the beginning of the first run [s].
   double next_run_time() const noexcept { return run_time - time + state->time; }

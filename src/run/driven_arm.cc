@@ -113,7 +113,8 @@ Cycle DrivenArm::step(const PathSample& desired, const Law& law, double time_sca
               .canvas = loop_.canvas(),
               .out = out_,
               .state = state_,
-              .truth = driver_.truth()};
+              .truth = driver_.truth(),
+              .tool = name_of_tool(e_.scenario)};
   const auto step_start = Clock::now();
   if (law.kind == Law::Kind::damp)
     damped_end_.damp(loop_.terms().M, law.v, e_.belief.arm.limits().torque, cycle.dt, &out_);

@@ -290,9 +290,10 @@ bool Executor::follow_up(const Cycle& cycle, const Move& move, PathFollower* pat
 
 void Executor::poll(const Cycle& cycle, const PathFollower& path) {
   if (!lift_ && interrupted())
-    react({Severity::lift,
-           fmt::format("interrupted at t = {:.3f} s; the pen was lifted", cycle.run_time),
-           RunEnd::interrupted});
+    react(
+        {Severity::lift,
+         fmt::format("interrupted at t = {:.3f} s; the {} was lifted", cycle.run_time, cycle.tool),
+         RunEnd::interrupted});
   if (hooks_.progress && !canvas_.waits_for(cycle)) hooks_.progress(path.progress(cycle.run_time));
 }
 
@@ -341,7 +342,7 @@ void Executor::end_lift() {
   if (reaction_.state() == Reaction::State::rise) {
     const double risen = lift_->risen(arm_.X_KE().p);
     std::string& cause = goes_on_after.empty() ? ending_.cause : goes_on_after;
-    cause += "; the motion was damped and the pen ";
+    cause += fmt::format("; the motion was damped and the {} ", name_of_tool(e_.scenario));
     cause += risen < 1e-3 ? "did not rise" : fmt::format("lifted by {:.0f} mm", 1e3 * risen);
   }
   if (!goes_on_after.empty()) {

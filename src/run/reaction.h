@@ -99,7 +99,7 @@ class Reaction {
     if (verdict.severity == Severity::brake && verdict.end == RunEnd::finished)
       cause_ = verdict.cause;
     if (verdict.severity == Severity::lose && state_ >= State::brake && state_ <= State::rise)
-      ending_->cause += "; before the pen was up, " + verdict.cause;
+      ending_->cause += "; before the tip was up, " + verdict.cause;
     if (!runs || verdict.end == RunEnd::finished || verdict.severity < Severity::lift) return;
     ending_->end = verdict.end;
     ending_->cause = verdict.cause;

@@ -23,6 +23,7 @@
 namespace impedraw {
 namespace {
 
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -99,6 +100,9 @@ TEST(StepTimeMonitor, LiftsThePenAfterAStall) {
   EXPECT_EQ(said.severity, Severity::lift);
   EXPECT_EQ(said.end, RunEnd::stopped);
   EXPECT_EQ(said.cause, "a control step took too long at t = 0.001 s; the pen was lifted");
+  Cycle of_pad = made.next();
+  of_pad.tool = "pad";
+  EXPECT_THAT(monitor.judge(of_pad).cause, EndsWith("; the pad was lifted"));
 }
 
 TEST(SpeedMonitor, NamesTheJointAndLetsTheDrawingGoOn) {

@@ -24,7 +24,7 @@ struct Plant {
 
   // What the monitor says first.
   Verdict judged() const {
-    constexpr double kMass = 4.0, kDt = 1e-3;
+    constexpr double kMass = 4.0, kStep = 1e-3;
     ImpedanceSettings settings;
     settings.friction.coefficient = friction;
     SignMonitor monitor(settings, JointVector::Constant(6, 100.0));
@@ -40,7 +40,7 @@ struct Plant {
     Vector6 F = Vector6::Zero();
     for (int i = 0; i < 1000 && !said; ++i) {
       // It grows, as pushes do that nothing answers. The weight changes beside it.
-      const double t = i * kDt, phase = 2.0 * std::numbers::pi * frequency * t;
+      const double t = i * kStep, phase = 2.0 * std::numbers::pi * frequency * t;
       arm.g[1] = 3.0 + 20.0 * std::cos(phase);
       const double wave =
           std::min(1.0, 2.0 * t) * (one_sided ? 0.5 - 0.5 * std::cos(phase) : std::sin(phase));
@@ -49,7 +49,7 @@ struct Plant {
       space.update(arm);
       said = monitor.update(arm, &space, F, tau);
       F[axis] = force * wave;  // over the step that follows
-      arm.v += kDt / kMass * (moves * (tau - arm.g) + acts * F);
+      arm.v += kStep / kMass * (moves * (tau - arm.g) + acts * F);
       arm.v[0] += 1e-6;  // rest teaches nothing
     }
     return said;
@@ -71,14 +71,14 @@ TEST(SignMonitor, NamesAWrenchWhoseSignIsWrong) {
   const Verdict said = Plant{.acts = -1.0, .force = 10.0}.judged();
   EXPECT_EQ(said.severity, Severity::damp);
   EXPECT_THAT(said.cause, HasSubstr("against the measured wrench, whose sign is wrong, along the "
-                                    "pen's z"));
+                                    "tip's z"));
   EXPECT_FALSE((Plant{.force = 10.0}.judged()));
 }
 
 // No surface pulls: a small pull along the pen is enough.
 TEST(SignMonitor, NamesASmallPullAgainstWhichTheArmMoves) {
   EXPECT_THAT((Plant{.acts = -1.0, .force = 4.0, .one_sided = true}.judged().cause),
-              HasSubstr("whose sign is wrong, along the pen's z"));
+              HasSubstr("whose sign is wrong, along the tip's z"));
   EXPECT_FALSE((Plant{.acts = -1.0, .force = -4.0, .one_sided = true}.judged())) << "a push";
   EXPECT_FALSE((Plant{.acts = -1.0, .force = 2.0, .one_sided = true}.judged())) << "below 2.5 N";
 }
@@ -86,17 +86,17 @@ TEST(SignMonitor, NamesASmallPullAgainstWhichTheArmMoves) {
 // Across its normal, a cut pushes harder than it does along it, and turns with the line.
 TEST(SignMonitor, LeavesACutItsForcesAcross) {
   Plant plant{.acts = -1.0, .force = 10.0, .axis = 1};
-  EXPECT_THAT(plant.judged().cause, HasSubstr("whose sign is wrong, along the pen's y"));
+  EXPECT_THAT(plant.judged().cause, HasSubstr("whose sign is wrong, along the tip's y"));
   plant.friction = 2.0;
   EXPECT_FALSE(plant.judged());
   plant.axis = 2;
-  EXPECT_THAT(plant.judged().cause, HasSubstr("whose sign is wrong, along the pen's z"));
+  EXPECT_THAT(plant.judged().cause, HasSubstr("whose sign is wrong, along the tip's z"));
 }
 
 TEST(SignMonitor, NamesAWrenchThatIsMadeUp) {
   const Verdict said = Plant{.acts = 0.0, .force = 25.0}.judged();
   EXPECT_EQ(said.severity, Severity::damp);
-  EXPECT_THAT(said.cause, HasSubstr("as if the measured wrench did not act along the pen's z"));
+  EXPECT_THAT(said.cause, HasSubstr("as if the measured wrench did not act along the tip's z"));
   // Above 9 N, RMS, but not less a tenth, for masses that may be wrong.
   EXPECT_FALSE((Plant{.acts = 0.0, .force = 13.0}.judged()));
   EXPECT_FALSE((Plant{.acts = 0.5, .force = 25.0}.judged()));

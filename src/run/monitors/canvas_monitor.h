@@ -107,16 +107,16 @@ class CanvasMonitor {
  private:
   static std::string unknown_text(const Cycle& cycle) {
     return fmt::format(
-        "no camera has known the canvas for {:.0f} s, at t = {:.3f} s; the pen was lifted",
-        kMostWait, cycle.next_run_time());
+        "no camera has known the canvas for {:.0f} s, at t = {:.3f} s; the {} was lifted",
+        kMostWait, cycle.next_run_time(), cycle.tool);
   }
   static std::string moving_text(const Cycle& cycle) {
     const double speed = cycle.canvas.estimate().motion.velocity_at(cycle.arm.X_WE.p).norm();
     return fmt::format(
         "the canvas did not come to rest within {:.0f} s, at t = {:.3f} s: it moves at {:.3g} mm/s "
-        "under the pen, and rests below {:.2g} mm/s; perception.frames.wait_for_rest=false draws "
+        "under the {}, and rests below {:.2g} mm/s; perception.frames.wait_for_rest=false draws "
         "on a canvas that moves",
-        kMostWait, cycle.next_run_time(), 1e3 * speed, 0.5e3 * RestMonitor::kMoves);
+        kMostWait, cycle.next_run_time(), 1e3 * speed, cycle.tool, 0.5e3 * RestMonitor::kMoves);
   }
 
   bool waits_for_rest_;

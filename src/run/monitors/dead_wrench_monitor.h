@@ -37,9 +37,9 @@ class DeadWrenchMonitor {
     const bool unfelt = held > std::max(least, kPushes * push) && told < kTold * push;
     unfelt_ = down && there && unfelt ? unfelt_ + cycle.dt : 0.0;
     if (unfelt_ < kConfirm) return {};
-    return {Severity::damp, fmt::format("the pen is held as by {:.0f} N, of which the measured "
+    return {Severity::damp, fmt::format("the {} is held as by {:.0f} N, of which the measured "
                                         "wrench tells {:.1f} N at t = {:.3f} s",
-                                        held, told, cycle.next_run_time())};
+                                        cycle.tool, held, told, cycle.next_run_time())};
   }
 
  private:

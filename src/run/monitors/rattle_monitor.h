@@ -56,9 +56,9 @@ class RattleMonitor {
     verdict.calm = JointSpeedShares::kStill;
     const double push = cycle.out.push;
     verdict.cause = fmt::format(
-        "the pen hammered on the canvas at t = {:.3f} s, ± {:.2g} N at a push of {:.3g} N: tip or "
+        "the {} hammered on the canvas at t = {:.3f} s, ± {:.2g} N at a push of {:.3g} N: tip or "
         "canvas may be stiffer than control.contact_stiffness_max, {:.3g} N/m",
-        cycle.run_time, deviation() * std::max(push, kLeastPush), push, stiffness_max_);
+        cycle.tool, cycle.run_time, deviation() * std::max(push, kLeastPush), push, stiffness_max_);
     return verdict;
   }
 

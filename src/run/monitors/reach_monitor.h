@@ -45,10 +45,10 @@ class ReachMonitor {
     }
     const Eigen::Vector3d& p = cycle.out.p_WD;
     verdict.cause = fmt::format(
-        "the canvas{} left the arm's reach at t = {:.3f} s, at ({:.2f}, {:.2f}, {:.2f}) m; the pen "
+        "the canvas{} left the arm's reach at t = {:.3f} s, at ({:.2f}, {:.2f}, {:.2f}) m; the {} "
         "was lifted",
         cycle.canvas.lost() ? ", as it was foreseen since no camera knows it," : "",
-        cycle.next_run_time(), p.x(), p.y(), p.z());
+        cycle.next_run_time(), p.x(), p.y(), p.z(), cycle.tool);
     return verdict;
   }
 

@@ -115,7 +115,7 @@ Verdict SignMonitor::update(const ArmTerms& arm, const OperationalSpace* space,
               fmt::format("joint {} turns against its torque of {:.1f} Nm: a sign is wrong", i + 1,
                           weightless[i])};
     return {Severity::damp,
-            fmt::format("the arm moves {} along the pen's {}",
+            fmt::format("the arm moves {} along the tip's {}",
                         opposed ? "against the measured wrench, whose sign is wrong,"
                                 : "as if the measured wrench did not act",
                         "xyz"[i - n])};

@@ -15,8 +15,8 @@ class StepTimeMonitor {
   Verdict judge(const Cycle& cycle) {
     if (!steps_.update(cycle.step_time)) return {};
     return {Severity::lift,
-            fmt::format("a control step took too long at t = {:.3f} s; the pen was lifted",
-                        cycle.run_time)};
+            fmt::format("a control step took too long at t = {:.3f} s; the {} was lifted",
+                        cycle.run_time, cycle.tool)};
   }
 
  private:
