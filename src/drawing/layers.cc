@@ -147,14 +147,14 @@ void choose_layers(Artwork& artwork, const std::string& choice) {
   std::string_view rest = choice;
   while (!rest.empty()) {
     const std::size_t comma = std::min(rest.find(','), rest.size());
-    const std::string word = lower(std::string(trimmed(rest.substr(0, comma))));
+    const std::string asked(trimmed(rest.substr(0, comma))), word = lower(asked);
     rest.remove_prefix(std::min(comma + 1, rest.size()));
     bool found = false;
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       if (is_layer(word, artwork.layers[i], i)) chosen[i] = found = true;
     }
     if (!found)
-      throw InputError(fmt::format("{}: no layer '{}'; there are {}", artwork.name, word,
+      throw InputError(fmt::format("{}: no layer '{}'; there are {}", artwork.name, asked,
                                    fmt::join(artwork.layers, ", ")));
   }
   std::erase_if(artwork.strokes, [&](const Stroke& stroke) { return !chosen[stroke.layer]; });
