@@ -12,6 +12,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
 #include "impedraw/control/contact_mode.h"
 #include "impedraw/control/surface_estimate.h"
@@ -23,6 +24,7 @@ class FeltHeight {
  public:
   static constexpr double kBorne = 4e-3, kMost = 0.02, kNear = 0.025;  // [m]
   static constexpr double kSpeed = 0.03;                               // [m/s]
+  static constexpr double kFollows = 0.3;  // a hand that lifts the pen is quicker [s]
   static constexpr double kLeastCosine = 0.2;                          // of n·z
 
   explicit FeltHeight(const Eigen::Vector3d& z_W) : z_W_(z_W) {}
@@ -30,9 +32,11 @@ class FeltHeight {
   // Once per step of dt [s], with the surface at the tip. Allocates nothing.
   void update(const SurfaceEstimate& surface, ContactMode mode, double dt) noexcept {
     const bool known = surface.status == SurfaceStatus::ok;
-    if (known && mode == ContactMode::contact)
-      felt_ = std::clamp(surface.distance / std::max(kLeastCosine, surface.n_W.dot(z_W_)) - kBorne,
-                         0.0, kMost);
+    if (known && mode == ContactMode::contact) {
+      const double above = surface.distance / std::max(kLeastCosine, surface.n_W.dot(z_W_));
+      touched_ = touched_ ? *touched_ + dt / kFollows * (above - *touched_) : above;
+      felt_ = std::clamp(*touched_ - kBorne, 0.0, kMost);
+    }
     const double wanted = known && surface.distance < kNear ? felt_ : 0.0;
     s_ += std::clamp(wanted - s_, -kSpeed * dt, kSpeed * dt);
   }
@@ -44,7 +48,8 @@ class FeltHeight {
 
  private:
   Eigen::Vector3d z_W_;
-  double felt_ = 0.0, s_ = 0.0;  // [m]
+  std::optional<double> touched_;  // above the surface as seen, lately [m]
+  double felt_ = 0.0, s_ = 0.0;    // h and s [m]
 };
 
 }  // namespace impedraw

@@ -35,6 +35,20 @@ TEST(FeltHeight, LeavesAPlanAloneThatHasRoom) {
   EXPECT_EQ(raised(-8e-3, 0.0, 1e-2), 0.0);
 }
 
+// A hand that lifts the pen for a moment is no surface.
+TEST(FeltHeight, LeavesAPlanAloneWhereAHandLiftedThePen) {
+  FeltHeight felt(Vector3d::UnitZ());
+  SurfaceEstimate surface;
+  surface.status = SurfaceStatus::ok;
+  surface.distance = 0.0;
+  felt.update(surface, ContactMode::contact, 1e-3);
+  surface.distance = 8e-3;
+  for (int i = 0; i < 100; ++i) felt.update(surface, ContactMode::contact, 1e-3);
+  TipReference plan;
+  plan.p_WD.setZero();
+  EXPECT_EQ(felt.of(plan).p_WD.norm(), 0.0);
+}
+
 // A run's next path begins at rest where the tip is measured.
 TEST(FeltHeight, EndsFarAboveTheSurface) { EXPECT_EQ(raised(7e-3, 0.0, 0.05), 0.0); }
 
