@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kCell = 8e-3, kFineCell = 1e-3;  // [m]
 constexpr double kMostCells = 1000.0;             // of the finer ones, along a side
-constexpr double kAround = 4e-3, kBeyond = 1e-3;  // [m]
+constexpr double kAround = 6e-3, kBeyond = 1e-3;  // [m]
 constexpr double kNone = -std::numeric_limits<double>::infinity();
 
 Eigen::AlignedBox2d extent_of(const std::vector<Eigen::Vector3d>& points) {

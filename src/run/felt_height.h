@@ -24,8 +24,8 @@ class FeltHeight {
  public:
   static constexpr double kBorne = 4e-3, kMost = 0.02, kNear = 0.025;  // [m]
   static constexpr double kSpeed = 0.03;                               // [m/s]
-  static constexpr double kFollows = 0.3;  // a hand that lifts the pen is quicker [s]
-  static constexpr double kLeastCosine = 0.2;                          // of n·z
+  static constexpr double kFollows = 0.3;      // a hand that lifts the pen is quicker [s]
+  static constexpr double kLeastCosine = 0.2;  // of n·z
 
   explicit FeltHeight(const Eigen::Vector3d& z_W) : z_W_(z_W) {}
 

@@ -17,6 +17,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "impedraw/common/text_fields.h"
 #include "impedraw/files/durable_file.h"
 #include "impedraw/settings/yaml_write.h"
 
@@ -231,12 +232,15 @@ void require_same_settings(const Scenario& scenario, const fs::path& folder) {
   Places places;
   std::istringstream now(settings_yaml(scenario)),
       then(settings_yaml(recorded_scenario(folder, &places)));
+  const auto setting = [](std::string_view line) {
+    return trimmed(line.substr(0, line.find(" #")));
+  };
   for (std::string a, b; std::getline(then, a) && std::getline(now, b);)
-    if (a != b)
+    if (setting(a) != setting(b))
       throw InputError(
           fmt::format("--resume: the run in {} was started with '{}', now it is '{}'; use the same "
                       "settings, or only --out",
-                      folder.string(), a, b));
+                      folder.string(), setting(a), setting(b)));
 }
 
 void find_inputs(Scenario* scenario, const fs::path& folder, InputsFrom from) {

@@ -239,10 +239,11 @@ TEST_F(Cover, GoesOnAfterAnInterrupt) {
       130)
       << said();
   EXPECT_EQ(run(window("1") + " --resume"), 2);
-  EXPECT_NE(said().find("begun along other lines"), std::string::npos) << said();
+  EXPECT_NE(said().find("was started with 'region: \"\"', now it is 'region: /"), std::string::npos)
+      << said();
   // The same lines, gone along at another speed.
   EXPECT_EQ(run("--set path.draw_speed=0.05 --resume"), 2);
-  EXPECT_NE(said().find("was started with '  draw_speed: 0.1', now it is '  draw_speed: 0.05'"),
+  EXPECT_NE(said().find("was started with 'draw_speed: 0.1', now it is 'draw_speed: 0.05'"),
             std::string::npos)
       << said();
   ASSERT_EQ(run("--resume"), 0) << said();
