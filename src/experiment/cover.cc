@@ -257,7 +257,7 @@ std::vector<char> reached_places(const Scenario& s, const Belief& belief, const 
                                  const SurfaceGrid& g, const Centres& centres) {
   const PreflightSettings settings = preflight_settings(s, X_WP, true, belief.start_q);
   std::vector<char> reached(g.size(), 1), asked = centres.allowed;
-  for (double width = kReachStep; width >= kFinestReach; width *= 0.5) {
+  for (double width = kReachStep;; width *= 0.5) {
     const int side = std::max(1, static_cast<int>(std::lround(width / g.step)));
     const auto in_square = [&](int i0, int j0, auto&& visit) {
       for (int j = j0; j < std::min(g.ny, j0 + side); ++j)
@@ -283,6 +283,7 @@ std::vector<char> reached_places(const Scenario& s, const Belief& belief, const 
       }
     });
     reached = std::move(answers);
+    if (0.5 * width < kFinestReach) return reached;
     // Squares beside the border are asked again.
     std::vector<char> out(g.size());
     for (std::size_t v = 0; v < g.size(); ++v) out[v] = !reached[v];
@@ -290,7 +291,6 @@ std::vector<char> reached_places(const Scenario& s, const Belief& belief, const 
     for (std::size_t v = 0; v < g.size(); ++v)
       asked[v] = centres.allowed[v] && std::max(in[v], off[v]) < 0.5 * side * g.step;
   }
-  return reached;
 }
 
 // Keeps the centres off what is not reached.
