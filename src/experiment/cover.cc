@@ -15,6 +15,7 @@
 #include "impedraw/experiment/height_sources.h"
 #include "impedraw/experiment/place_wish.h"
 #include "impedraw/experiment/tool_fit.h"
+#include "impedraw/perception/seen_surface.h"
 #include "impedraw/planning/cover/even_lines.h"
 #include "impedraw/planning/stroke_part.h"
 
@@ -60,14 +61,14 @@ Eigen::AlignedBox2d extent_of(const Scenario& s, const Belief& belief, const Pos
 // The surface under the footprint's rim: the planner's own surface ends where its centres must.
 // Heights are those of the estimate; a place is known between points of the cloud, no further from
 // each other than two voxels. A voxel's point is the mean of those within: at an edge, a quarter of
-// the voxel inside of it on average.
-void know_between_points(const PointCloud& cloud, double voxel, const Pose& X_PW, SurfaceGrid* g) {
-  std::vector<char> near(g->size(), 0);
-  for (const Eigen::Vector3d& p_W : cloud.points)
-    around(*g, X_PW * p_W, voxel, [&](std::size_t v) { near[v] = 1; });
-  const std::vector<double> off = distance_to_edge(*g, near);
-  for (std::size_t v = 0; v < g->size(); ++v)
-    g->known[v] = g->known[v] && off[v] >= kInside * voxel;
+// the voxel inside of it on average. Points that are not averaged are no further apart than the
+// grid is wide.
+void know_between_points(const PointCloud& cloud, double voxel, const Pose& X_WP, SurfaceGrid* g) {
+  const SeenSurface seen(cloud, std::max(voxel, 2.0 * g->step), kInside * voxel);
+  in_parallel(g->ny, [&](int j) {
+    for (int i = 0; i < g->nx; ++i)
+      if (const std::size_t v = g->index(i, j); g->known[v]) g->known[v] = seen(X_WP * g->point(v));
+  });
 }
 
 // The doubt of each place: the cloud's noise, or twice what the estimate misses of its points.
@@ -370,7 +371,7 @@ CoverPlan plan_cover(const Scenario& s, const Belief& belief, const Pose& X_WP,
   CoverPlan plan;
   plan.grid = sample_surface(perceived_height(belief.perception, X_WP), box, step,
                              s.preflight.max_slope_deg, progress);
-  know_between_points(belief.perception->cloud(), s.perception.voxel, X_WP.inverse(), &plan.grid);
+  know_between_points(belief.perception->cloud(), s.perception.voxel, X_WP, &plan.grid);
   doubt_heights(belief, X_WP, &plan.grid);
   plan.wish.footprint = footprint_of(*pad);
   plan.wish.spacing = 2.0 * pad->radius * (1.0 - s.cover.overlap);

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -18,9 +19,18 @@
 namespace impedraw {
 namespace {
 
-// The cloud in P, to find the point nearest to a line along z.
+// The cloud in P, to find the points nearest to a line along z.
 class Columns {
  public:
+  // Heights of the points nearest to a line, the highest first [m]. A wall beside it has many.
+  static constexpr int kMost = 64;
+  struct Heights {
+    std::array<double, kMost> z;
+    int n = 0;
+    const double* begin() const { return z.data(); }
+    const double* end() const { return z.data() + n; }
+  };
+
   Columns(const PointCloud& cloud, const Pose& X_PW) {
     for (const Eigen::Vector3d& p_W : cloud.points) {
       points_.push_back(X_PW * p_W);
@@ -30,12 +40,15 @@ class Columns {
   }
 
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
-  double height_at(double x, double y) const {
+  Heights heights_at(double x, double y) const {
     constexpr double kAnywhere = 1e9;  // [m]
-    int nearest = 0;
-    double squared = 0.0;
-    const int found = tree_->nearest({x, y, 0.0}, 1, kAnywhere, &nearest, &squared);
-    return found == 1 ? points_[static_cast<std::size_t>(nearest)].z() : 0.0;
+    std::array<int, kMost> nearest;
+    Heights heights;
+    heights.n = tree_->nearest({x, y, 0.0}, kMost, kAnywhere, nearest.data(), heights.z.data());
+    for (int i = 0; i < heights.n; ++i)
+      heights.z[i] = points_[static_cast<std::size_t>(nearest[i])].z();
+    std::sort(heights.z.begin(), heights.z.begin() + heights.n, std::greater());
+    return heights;
   }
 
  private:
@@ -135,23 +148,50 @@ class CloudHeight {
     constexpr double kSteep = 0.5;  // cosine of the slope from which the finer normal is asked for
     SurfaceHeight::Sample sample;
     const double top = tops_.top(x, y), lid = tops_.lid(x, y);
+    std::optional<Columns::Heights> heights;
+    const auto heights_here = [&]() -> const Columns::Heights& {
+      return heights ? *heights : heights.emplace(columns_.heights_at(x, y));
+    };
     // Another sheet lies above: the pen cannot reach this one.
     const auto covered = [&] {
-      return sample && lid > sample->p_P.z() + kOverhang + TopSheet::rise(sample->n_P);
+      if (!sample) return false;
+      const double over = sample->p_P.z() + kOverhang + TopSheet::rise(sample->n_P);
+      return lid > over && !passes_beside(x, y, over, heights_here());
     };
-    if (std::isfinite(start)) sample = descend(*surface_, X_WP_, {x, y, start});
+    const auto look_from = [&](double z) { sample = descend(*surface_, X_WP_, {x, y, z}); };
+    if (std::isfinite(start)) look_from(start);
     // Beside an overhang the cell's highest point is on another sheet.
     for (const double from : {top, lid})
-      if ((!sample || covered()) && std::isfinite(from))
-        sample = descend(*surface_, X_WP_, {x, y, from});
-    // On a steep flank the cell's highest point is far above.
-    if (!sample) sample = descend(*surface_, X_WP_, {x, y, columns_.height_at(x, y)});
+      if ((!sample || covered()) && std::isfinite(from)) look_from(from);
+    // On a steep flank, and just beyond an overhang, what is found lies far below.
+    if (!sample || covered()) {
+      double tried = std::numeric_limits<double>::infinity();
+      for (const double from : heights_here()) {
+        if (tried - from < kOverhang) continue;
+        look_from(tried = from);
+        if (sample && !covered()) break;
+      }
+    }
     if (!sample || covered()) return std::nullopt;
     if (sample->n_P.z() < kSteep) {
       const SurfaceEstimate there = followed_.estimate(X_WP_ * sample->p_P);
       if (there.status == SurfaceStatus::ok) sample->steepest = X_WP_.R.col(2).dot(there.n_W);
     }
     return sample;
+  }
+
+  // True if the line through (x, y) stays outside of the surface at each of the heights above
+  // `over`: its points, which noise spreads, say less well where a sheet ends.
+  bool passes_beside(double x, double y, double over, const Columns::Heights& heights) const {
+    bool beside = false;
+    for (const double z : heights) {
+      if (z < over) break;
+      const SurfaceEstimate at = surface_->estimate(X_WP_ * Eigen::Vector3d(x, y, z));
+      if (at.status != SurfaceStatus::ok) continue;
+      if (at.distance <= 0.0) return false;
+      beside = true;
+    }
+    return beside;
   }
 
   std::shared_ptr<const Surface> surface_;
