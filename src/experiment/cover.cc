@@ -206,14 +206,12 @@ WantedDose wanted_dose(const CoverPlan& plan, int passes, std::vector<char> plac
   return wanted;
 }
 
-// Promises what the lines cover, repeats parts where they leave too little of an even dose, and
+// Promises what the lines cover, leaves out and repeats parts of them where the dose is uneven, and
 // finds their forces.
 void promise(const Scenario& s, const std::vector<char>& inner, bool refused, CoverPlan* cover) {
   CoverPlan& plan = *cover;
   PlaneLines& lines = plan.lines.passes;
-  if (plan.wish.share.empty())
-    for (auto& part : repeats(plan.grid, plan.centres.feet, inner, lines))
-      lines.push_back(std::move(part));
+  if (plan.wish.share.empty()) even_parts(plan.grid, plan.centres.feet, inner, &lines);
   plan.promised_area = area_of(plan.grid, surely_pressed(plan.grid, lines, plan.centres.feet));
   plan.forces = even_forces(plan.grid, lines, plan.centres.feet,
                             wanted_dose(plan, s.cover.passes, inner), force_range(s));
@@ -421,22 +419,17 @@ bool keep_within_reach(const Scenario& s, const PlannedDrawing& drawing, CoverPl
 }
 
 bool keep_drawn(const Scenario& s, const PlannedDrawing& drawing, Barred barred, CoverPlan* plan) {
-  CoverLines& lines = plan->lines;
-  const auto once = static_cast<std::ptrdiff_t>(lines.passes.size());
-  const std::size_t edges = lines.edges;
+  PlaneLines& kept = plan->lines.passes;
+  const auto once = std::ssize(kept);
   std::vector<StrokePart> lost;
   for (const Finding& f : drawing.plan.preflight.findings)
     if ((f.way == WayEnd::none || barred == Barred::lost) && f.part.stroke < once)
       lost.push_back(f.part);
   if (lost.empty()) return false;
   const auto first = drawing.artwork.strokes.begin();
-  PlaneLines& kept = lines.passes;
   kept.clear();
-  lines.edges = 0;
-  for (const StrokePart& part : rest_of({first, first + once}, merged(std::move(lost)), kExact)) {
+  for (const StrokePart& part : rest_of({first, first + once}, merged(std::move(lost)), kExact))
     kept.push_back(line_of(drawing.artwork, part));
-    lines.edges += static_cast<std::size_t>(part.stroke) < edges;
-  }
   promise(s, inner_places(*plan, kept), true, plan);
   return true;
 }

@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "impedraw/planning/cover/cover_lines.h"
+
 namespace impedraw {
 
 namespace {
@@ -18,12 +20,16 @@ constexpr int kMovingRounds = 100, kMoveSmoothings = 5;
 constexpr double kMost = 1e-3, kLeast = 2e-5, kFirst = 0.5e-3;  // of a round's moves [m]
 constexpr double kMomentum = 0.8;  // share of the way of the round before that a round goes on
 constexpr double kLongest = 2.0;   // of a knot's way, over the RMS of all: else few hold all back
-constexpr double kLongestPart = 3.0;  // that is repeated at once, in radii
-constexpr double kWorth = 1e-4;       // least fall of the squared variation, for one more stroke
+// Length of a part that is left out or repeated at once, in radii. What is left on either side is
+// not shorter.
+constexpr double kShortestPart = 1.0, kLongestPart = 6.0;
+// Fall of the squared variation that one more stroke is worth, and the least one that counts.
+constexpr double kWorth = 1e-4, kLeastFall = 1e-5;
 
 struct Unevenness {
   std::vector<double> e_area;  // of each vertex: e dA
   double rms = 0.0, mean = 0.0;
+  double area = 0.0;  // [m²]
 };
 
 std::vector<double> areas_of(const SurfaceGrid& g, const std::vector<char>& places) {
@@ -35,17 +41,17 @@ std::vector<double> areas_of(const SurfaceGrid& g, const std::vector<char>& plac
 Unevenness unevenness(const SurfaceGrid& g, const std::vector<double>& area,
                       const std::vector<double>& dose) {
   Unevenness u{std::vector<double>(g.size())};
-  double whole = 0.0, sum = 0.0, squares = 0.0;
-  for (std::size_t v = 0; v < g.size(); ++v) whole += area[v], sum += area[v] * dose[v];
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t v = 0; v < g.size(); ++v) u.area += area[v], sum += area[v] * dose[v];
   if (!(sum > 0.0)) return u;
-  u.mean = sum / whole;
+  u.mean = sum / u.area;
   for (std::size_t v = 0; v < g.size(); ++v) {
     if (!(area[v] > 0.0)) continue;
     const double e = dose[v] / u.mean - 1.0;
     u.e_area[v] = e * area[v];
     squares += e * u.e_area[v];
   }
-  u.rms = std::sqrt(squares / whole);
+  u.rms = std::sqrt(squares / u.area);
   return u;
 }
 
@@ -126,77 +132,133 @@ Vector2d onto_centres(const SurfaceGrid& g, const std::vector<double>& clearance
   return g.sample(clearance, p) < std::min(0.0, g.sample(clearance, before)) - 0.1e-3 ? before : p;
 }
 
-// A knot of a line that may be repeated.
-struct Knot {
-  double at, way;  // along the line, and from the knot before [m]
-  double own;      // ∫ p dA over the places under the footprint [m²]
-};
+// Area that two discs share over that of one, x: distance of their centres over the diameter.
+double shared(double x) {
+  if (x >= 1.0) return 0.0;
+  return 2.0 / std::numbers::pi * (std::acos(x) - x * std::sqrt(1.0 - x * x));
+}
 
-std::vector<std::vector<Knot>> knots_of(const SurfaceGrid& g, const std::vector<double>& area,
-                                        const PlaneLines& lines, const PressedFeet& feet) {
-  std::vector<std::vector<Knot>> all;
-  for (const Line& line : lines) {
-    std::vector<Knot>& knots = all.emplace_back(line.size(), Knot{0.0, 0.0, 0.0});
-    for (std::size_t i = 1; i < line.size(); ++i) {
-      const double way = (g.lifted(line[i]) - g.lifted(line[i - 1])).norm();
-      knots[i] = {knots[i - 1].at + way, way, under(g, area, line[i], feet)};
+// A line whose parts may be left out or repeated.
+struct PartedLine {
+  Line knots;
+  std::vector<Vector3d> lifted;
+  std::vector<double> at, way;  // along the line, and from the knot before [m]
+  std::vector<double> own;      // ∫ p dA over the places under the footprint [m²]
+  std::vector<char> stays;      // the way to this knot has been refused to leave
+
+  PartedLine(const SurfaceGrid& g, const std::vector<double>& area, Line line,
+             const PressedFeet& feet)
+      : knots(std::move(line)), at(knots.size()), way(knots.size()), stays(knots.size()) {
+    for (std::size_t i = 0; i < knots.size(); ++i) {
+      lifted.push_back(g.lifted(knots[i]));
+      own.push_back(under(g, area, knots[i], feet));
+      if (i == 0) continue;
+      way[i] = (lifted[i] - lifted[i - 1]).norm();
+      at[i] = at[i - 1] + way[i];
     }
   }
-  return all;
-}
+  Line piece(std::size_t from, std::size_t to) const {
+    const auto first = knots.begin();
+    return {first + static_cast<std::ptrdiff_t>(from), first + static_cast<std::ptrdiff_t>(to) + 1};
+  }
+};
 
 struct Part {
   std::size_t line = 0, from = 0, to = 0;  // knots, the last one included
-  double gain = 0.0;                       // of E [m²]
+  double times = 0.0;                      // 1: repeated, −1: left out
+  int strokes = 0;                         // more than before
+  double gain = 0.0;  // of E over the area, less what its strokes must be worth
 };
 
-// The part whose repetition promises the most: a pass at knot i adds w p / d̄ to e, and on average
-// its own chord over a disc besides.
-Part best_part(const SurfaceGrid& g, const Unevenness& u, const PlaneLines& lines,
-               const std::vector<std::vector<Knot>>& knots, const PressedFeet& feet) {
-  const double chord = 16.0 / (3.0 * std::numbers::pi) * feet.foot().radius;
+// The part that promises the most: a pass at knot i adds a_i = w p / d̄ to e, under its footprint.
+//
+//   gain = ∓ 2 Σ ∫ e a_i dA − Σ_ij ∫ a_i a_j dA
+Part best_part(const SurfaceGrid& g, const Unevenness& u, const std::vector<PartedLine>& lines,
+               const PressedFeet& feet) {
+  const double shortest = kShortestPart * feet.foot().radius,
+               longest = kLongestPart * feet.foot().radius, wide = 2.0 * feet.foot().radius;
   Part best;
   for (std::size_t l = 0; l < lines.size(); ++l) {
-    const Line& line = lines[l];
-    const std::vector<Knot>& on = knots[l];
-    std::vector<double> gain(line.size());
-    for (std::size_t i = 1; i < line.size(); ++i)
-      gain[i] = -on[i].way / u.mean *
-                (2.0 * under(g, u.e_area, line[i], feet) + chord / u.mean * on[i].own);
-    for (std::size_t from = 0; from < line.size(); ++from) {
-      double sum = 0.0;
-      for (std::size_t to = from + 1;
-           to < line.size() && on[to].at - on[from].at < kLongestPart * feet.foot().radius; ++to)
-        if ((sum += gain[to]) > best.gain && on[to].at - on[from].at > feet.foot().radius)
-          best = {l, from, to, sum};
+    const PartedLine& line = lines[l];
+    const std::size_t n = line.knots.size();
+    std::vector<double> own(n), squares(n);  // −2 ∫ e a_i dA, and Σ_ij of a part that ends here
+    for (std::size_t i = 1; i < n; ++i)
+      own[i] = -2.0 * line.way[i] / u.mean * under(g, u.e_area, line.knots[i], feet);
+    for (std::size_t from = n - 1; from-- > 0;) {
+      const std::size_t i = from + 1;
+      double sum = 0.0, with_i = 0.0;
+      bool stays = line.at[from] > 0.0 && line.at[from] < shortest;
+      for (std::size_t to = i; to < n; ++to) {
+        const double length = line.at[to] - line.at[from], left = line.at[n - 1] - line.at[to];
+        if (length > longest) break;
+        with_i += (i < to ? 2.0 : 1.0) * line.way[i] * line.way[to] *
+                  std::sqrt(line.own[i] * line.own[to]) / (u.mean * u.mean) *
+                  shared((line.lifted[i] - line.lifted[to]).norm() / wide);
+        squares[to] += with_i;
+        sum += own[to];
+        stays = stays || line.stays[to];
+        const bool less = sum < 0.0;
+        if (length < shortest || (less && (stays || (left > 0.0 && left < shortest)))) continue;
+        const int strokes = less ? (from > 0) + (to + 1 < n) - 1 : 1;
+        const double gain = (std::abs(sum) - squares[to]) / u.area - kWorth * strokes;
+        if (gain > best.gain) best = {l, from, to, less ? -1.0 : 1.0, strokes, gain};
+      }
     }
   }
   return best;
 }
 
+PlaneLines lines_of(const std::vector<PartedLine>& parted) {
+  PlaneLines lines;
+  for (const PartedLine& line : parted)
+    if (line.knots.size() > 1) lines.push_back(line.knots);
+  return lines;
+}
+
 }  // namespace
 
-PlaneLines repeats(const SurfaceGrid& g, const PressedFeet& feet, const std::vector<char>& places,
-                   const PlaneLines& lines) {
+void even_parts(const SurfaceGrid& g, const PressedFeet& feet, const std::vector<char>& places,
+                PlaneLines* lines) {
   const std::vector<double> area = areas_of(g, places);
-  const std::vector<std::vector<Knot>> knots = knots_of(g, area, lines, feet);
-  std::vector<double> dose = dose_of(g, lines, feet);
+  std::vector<PartedLine> parted;
+  for (const Line& line : *lines) parted.emplace_back(g, area, line, feet);
+  const std::vector<char> pressed = surely_pressed(g, *lines, feet);
+  std::vector<double> dose = dose_of(g, *lines, feet);
   Unevenness u = unevenness(g, area, dose);
-  PlaneLines added;
   while (u.mean > 0.0) {
-    const Part part = best_part(g, u, lines, knots, feet);
-    if (!(part.gain > 0.0)) break;
-    const auto first = lines[part.line].begin();
-    Line piece(first + static_cast<std::ptrdiff_t>(part.from),
-               first + static_cast<std::ptrdiff_t>(part.to) + 1);
-    const std::vector<double> more = dose_of(g, {piece}, feet);
-    for (std::size_t v = 0; v < g.size(); ++v) dose[v] += more[v];
-    Unevenness after = unevenness(g, area, dose);
-    if (!(u.rms * u.rms - after.rms * after.rms > kWorth)) break;
+    const Part part = best_part(g, u, parted, feet);
+    if (part.times == 0.0) break;
+    const Line piece = parted[part.line].piece(part.from, part.to);
+    std::vector<double> changed = dose_of(g, {piece}, feet);
+    for (std::size_t v = 0; v < g.size(); ++v) changed[v] = dose[v] + part.times * changed[v];
+    Unevenness after = unevenness(g, area, changed);
+    const double fall = u.rms * u.rms - after.rms * after.rms;
+    const bool worth = fall > std::max(kLeastFall, kWorth * part.strokes);
+    if (part.times > 0.0) {
+      if (!worth) break;
+      parted.emplace_back(g, area, piece, feet);
+    } else {
+      std::vector<PartedLine> rest = parted;
+      const PartedLine& whole = parted[part.line];
+      PartedLine before(g, area, whole.piece(0, part.from), feet),
+          behind(g, area, whole.piece(part.to, whole.knots.size() - 1), feet);
+      std::copy_n(whole.stays.begin(), before.stays.size(), before.stays.begin());
+      std::copy_n(whole.stays.end() - std::ssize(behind.stays), behind.stays.size(),
+                  behind.stays.begin());
+      rest[part.line] = std::move(before);
+      rest.push_back(std::move(behind));
+      // A part stays if no other line treats all of its places.
+      if (!worth || surely_pressed(g, lines_of(rest), feet) != pressed) {
+        std::fill(parted[part.line].stays.begin() + static_cast<std::ptrdiff_t>(part.from) + 1,
+                  parted[part.line].stays.begin() + static_cast<std::ptrdiff_t>(part.to) + 1, 1);
+        continue;
+      }
+      parted = std::move(rest);
+    }
+    dose = std::move(changed);
     u = std::move(after);
-    added.push_back(std::move(piece));
   }
-  return added;
+  *lines = lines_of(parted);
 }
 
 double even_lines(const SurfaceGrid& g, const Centres& centres, const std::vector<char>& places,

@@ -17,9 +17,10 @@ namespace impedraw {
 double even_lines(const SurfaceGrid& grid, const Centres& centres, const std::vector<char>& places,
                   std::size_t fixed, PlaneLines* lines);
 
-// Parts of the lines that are to be drawn once more, where a stroke's own dose makes it more even:
-// beside what was cut, and in areas that are narrower than two lines.
-PlaneLines repeats(const SurfaceGrid& grid, const PressedFeet& feet,
-                   const std::vector<char>& places, const PlaneLines& lines);
+// Leaves out parts of the lines, and appends parts once more, one at a time, as long as that makes
+// the dose more even: in areas that are narrower than two lines, and beside what was cut. All that
+// the lines surely press is pressed still (cover_lines.h).
+void even_parts(const SurfaceGrid& grid, const PressedFeet& feet, const std::vector<char>& places,
+                PlaneLines* lines);
 
 }  // namespace impedraw

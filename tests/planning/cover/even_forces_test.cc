@@ -212,7 +212,7 @@ TEST(EvenLines, MoveRowsToTheirPlaces) {
 }
 
 // A strip that two passes treat, of which one ends half way: its other half is passed once more.
-TEST(Repeats, MakeUpForALineThatIsCut) {
+TEST(EvenParts, MakeUpForALineThatIsCut) {
   const SurfaceGrid g = plane();
   std::vector<char> strip(g.size());
   for (std::size_t v = 0; v < g.size(); ++v)
@@ -222,22 +222,63 @@ TEST(Repeats, MakeUpForALineThatIsCut) {
     lines[0].emplace_back(x, 0.0);
     if (x < 0.0) lines[1].emplace_back(x, 0.0);
   }
-  const PlaneLines added = repeats(g, feet(g), strip, lines);
   const double before = cv(g, dose_of(g, lines, feet(g)), strip);
-  ASSERT_FALSE(added.empty());
-  for (const auto& part : added) {
-    for (const Eigen::Vector2d& p : part) EXPECT_GT(p.x(), -kPad);
-    lines.push_back(part);
-  }
+  const std::vector<char> pressed = surely_pressed(g, lines, feet(g));
+  even_parts(g, feet(g), strip, &lines);
   EXPECT_GT(before, 0.25);
   EXPECT_LT(cv(g, dose_of(g, lines, feet(g)), strip), 0.5 * before);
-  EXPECT_TRUE(repeats(g, feet(g), strip, lines).empty());
+  EXPECT_EQ(surely_pressed(g, lines, feet(g)), pressed);
+  const PlaneLines once = lines;
+  even_parts(g, feet(g), strip, &lines);
+  EXPECT_EQ(lines, once);
 
   std::vector<char> middle(g.size());
   for (std::size_t v = 0; v < g.size(); ++v)
     middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kPad;
-  EXPECT_TRUE(repeats(g, feet(g), middle, rows(kPad / 1.62)).empty());
-  EXPECT_TRUE(repeats(g, feet(g), std::vector<char>(g.size()), lines).empty());
+  PlaneLines even = rows(kPad / 1.62);
+  even_parts(g, feet(g), middle, &even);
+  EXPECT_EQ(even, rows(kPad / 1.62));
+  even_parts(g, feet(g), std::vector<char>(g.size()), &lines);
+  EXPECT_EQ(lines, once);
+}
+
+// Three passes over a strip, and a fourth over a quarter of it, which none needs.
+TEST(EvenParts, LeaveOutWhatIsTooMuch) {
+  const SurfaceGrid g = plane();
+  std::vector<char> strip(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v)
+    strip[v] = std::abs(g.plane(v).x()) < 0.05 && std::abs(g.plane(v).y()) < 0.3 * kPad;
+  PlaneLines lines(4);
+  for (double x = -0.07; x < 0.0701; x += 1e-3)
+    for (int l = 0; l < 4; ++l)
+      if (l < 3 || std::abs(x) < 0.0175) lines[l].emplace_back(x, 0.0);
+  const double before = cv(g, dose_of(g, lines, feet(g)), strip);
+  const std::vector<char> pressed = surely_pressed(g, lines, feet(g));
+  even_parts(g, feet(g), strip, &lines);
+  double way = 0.0;
+  for (const auto& line : lines) way += (line.back() - line.front()).norm();
+  EXPECT_NEAR(way, 3 * 0.14, 0.02);
+  EXPECT_LT(cv(g, dose_of(g, lines, feet(g)), strip), 0.45 * before);
+  EXPECT_EQ(surely_pressed(g, lines, feet(g)), pressed);
+}
+
+// One pass cannot be left out, however much its places get.
+TEST(EvenParts, StayWhereNothingElseTreats) {
+  const SurfaceGrid g = plane();
+  std::vector<char> strips(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v)
+    strips[v] =
+        std::abs(g.plane(v).x()) < 0.05 && std::abs(std::abs(g.plane(v).y()) - 0.03) < 0.3 * kPad;
+  PlaneLines lines(2);
+  for (double x = -0.07; x < 0.0701; x += 1e-3)
+    for (int l = 0; l < 2; ++l) lines[l].emplace_back(x, l == 0 ? 0.03 : -0.03);
+  // Back and forth along one of them: all of it but one pass may go.
+  for (int k = 0; k < 2; ++k)
+    for (double x = -0.07; x < 0.0701; x += 1e-3) lines[0].emplace_back(k == 0 ? -x : x, 0.03);
+  const std::vector<char> pressed = surely_pressed(g, lines, feet(g));
+  even_parts(g, feet(g), strips, &lines);
+  EXPECT_EQ(surely_pressed(g, lines, feet(g)), pressed);
+  EXPECT_LT(cv(g, dose_of(g, lines, feet(g)), strips), 0.15);
 }
 
 TEST(EvenLines, AreLeftWhereNothingIsToBeEven) {
