@@ -1,4 +1,4 @@
-"""Treats the surfaces of docs/cover.md and writes its table.
+"""Treats the surfaces of docs/cover.md and writes its table and its picture.
 
     python setup/cover_figures.py PROGRAM FOLDER [SURFACE ...]     FOLDER gets the meshes and the runs; SURFACE: only these
 
@@ -7,6 +7,7 @@ A run that FOLDER holds already is not repeated: after an interrupt it goes on, 
 import concurrent.futures
 import json
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -29,7 +30,7 @@ SURFACES = {  # name: in the table, arguments beside the mesh of that name, whet
     "step": ("step of 8 mm", [], True),
     "vase": ("lying vase", [], True),
     "torus": ("torus", [], True),
-    "helmet": ("helmet with slits", [], True),
+    "helmet": ("helmet with slits", ["--set", "name=helmet"], True),
     "strip": ("strip of 44 mm", [], True),
 }
 HEAD = ("surface", "treated", "promised", "force, and its RMS error from what is asked there [N]", "removal even to", "map of the arm off by", "untreated, unsaid")  # fmt: skip
@@ -69,6 +70,8 @@ def main():
     lines = ["| " + " | ".join(HEAD) + " |", "|---" * len(HEAD) + "|"]
     lines += [row(folder, name) for name in SURFACES if (folder / name / "metrics.json").exists()]
     fill_part(ROOT / "docs/cover.md", "treated", lines)
+    if (picture := folder / "helmet/cover.png").exists():
+        shutil.copy(picture, ROOT / "docs/images/cover-helmet.png")
 
 
 if __name__ == "__main__":
