@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -95,6 +96,11 @@ struct PlacedStroke {
   bool pause = false;              // before it, until the run is told to go on
   std::vector<double> force = {};  // of the pen at each point [N]; empty: control.normal_force
   double depth = 0;                // that a cutter holds [m]; 0: by the force alone
+  // Most that the tool leans off the drawing axis, on the way there and off it [rad].
+  double lean_there = kWayLean, lean_off = kWayLean;
+
+  // An arm reaches far over a steep surface with that.
+  static constexpr double kWayLean = 35.0 * std::numbers::pi / 180.0;
 };
 std::vector<PlacedStroke> placed_strokes(const Artwork& artwork, const Placement& placement);
 

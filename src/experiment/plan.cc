@@ -13,6 +13,7 @@
 #include "impedraw/experiment/plan_summary.h"
 #include "impedraw/experiment/start_posture.h"
 #include "impedraw/experiment/tool_fit.h"
+#include "impedraw/experiment/way_leans.h"
 #include "impedraw/planning/describe_path.h"
 #include "impedraw/planning/preflight/crawl.h"
 #include "impedraw/planning/stroke_ruler.h"
@@ -139,7 +140,11 @@ class Planning {
   double wrap_doubt_ = 0.0;  // [m]
   std::vector<std::string> heading_notes_, yaw_notes_;
   std::vector<int> of_artwork_;  // the artwork's number of each promised stroke
-  std::vector<double> shares_;   // of each drawable part: what it loses if it is barred
+  struct Tried {
+    double share = 0.1;  // that it loses if it is barred
+    WayLeans leans;
+  };
+  std::vector<Tried> tried_;  // of each drawable part
   Plan plan_;
 };
 
@@ -316,6 +321,7 @@ void Planning::promise() {
     PlacedStroke stroke = ruler->part(part.from, part.to);
     stroke.number = static_cast<int>(plan_.strokes.size());
     stroke.start = 0.0;
+    if (!tried_.empty()) tried_[plan_.strokes.size()].leans.give(&stroke);
     of_artwork_.push_back(plan_.source[static_cast<std::size_t>(part.stroke)]);
     plan_.strokes.push_back(std::move(stroke));
   }
@@ -332,8 +338,8 @@ void Planning::note_roughness() {
 
 // Plans the path and omits strokes that it cannot reach.
 void Planning::plan_path() {
-  shares_.assign(plan_.preflight.drawable.size(), 0.1);
-  while (!plan_.strokes.empty()) {  // each round shortens or leaves out at least one
+  tried_.resize(plan_.preflight.drawable.size());
+  while (!plan_.strokes.empty()) {  // each round shortens at least one, or changes its ways
     plan_.path = TipPath();         // of what was promised before: large
     const double looks = 3.0 * plane_length(plan_.strokes) / plan_.path_settings.knot_spacing +
                          3.0 * static_cast<double>(plan_.strokes.size());
@@ -359,10 +365,10 @@ void Planning::plan_path() {
   plan_.path = TipPath();
 }
 
-// Findings have the path's stroke numbers. Where the way to a stroke or off it is barred, the
-// stroke is shortened at that end by a share of its length, or left out if too little remains;
-// where the arm cannot follow it from there, that part is left out, with more about it for a
-// greater share. What is barred again loses twice that.
+// Findings have the path's stroke numbers. Where the way to a stroke or off it is barred with every
+// lean, the stroke is shortened at that end by a share of its length, or left out if too little
+// remains; where the arm cannot follow it from there, that part is left out, with more about it for
+// a greater share. What is barred again loses twice that.
 void Planning::leave_out_barred(std::vector<Finding> transitions) {
   constexpr double kShorten = 5e-3, kAbout = 50e-3;  // at least; times the share [m]
   constexpr double kLong = 0.2;  // a longer stroke loses no more for being longer [m]
@@ -377,9 +383,10 @@ void Planning::leave_out_barred(std::vector<Finding> transitions) {
   for (std::size_t i = barring.size(); i-- > 0;) {  // so that the numbers of those before stay
     if (!barring[i]) continue;
     Finding& f = *barring[i];
+    if (f.way != WayEnd::none && tried_[i].leans.try_next(f.way)) continue;
     const StrokePart whole = plan_.preflight.drawable[i];
     double from = whole.from, to = whole.to;
-    const double share = std::exchange(shares_[i], 2.0 * shares_[i]);
+    const double share = std::exchange(tried_[i].share, 2.0 * tried_[i].share);
     const double less = std::max(kShorten, share * std::min(whole.length(), kLong));
     if (f.way == WayEnd::first) {
       to = from + less;
@@ -410,8 +417,8 @@ void Planning::take_away(std::size_t i, double from, double to, Finding finding)
     gone.to = whole.to;
   const auto at = static_cast<std::ptrdiff_t>(i);
   drawable.insert(drawable.erase(drawable.begin() + at), left.begin(), left.end());
-  const double share = shares_[i];
-  shares_.insert(shares_.erase(shares_.begin() + at), left.size(), share);
+  const Tried tried = tried_[i];
+  tried_.insert(tried_.erase(tried_.begin() + at), left.size(), tried);
   finding.part = on_artwork(plan_, artwork_.placement, gone);
   plan_.preflight.findings.push_back(std::move(finding));
 }

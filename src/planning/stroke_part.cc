@@ -72,6 +72,8 @@ PlacedStroke StrokeRuler::part(double from, double to) const {
   part.start = from;
   part.speed = stroke.speed;
   part.depth = stroke.depth;
+  part.lean_there = stroke.lean_there;
+  part.lean_off = stroke.lean_off;
   if (from == 0.0) {
     part.wait = stroke.wait;
     part.pause = stroke.pause;

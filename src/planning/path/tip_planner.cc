@@ -24,9 +24,6 @@ using Eigen::Vector3d;
 constexpr double kCentripetalShare = 0.8;
 // share of the limits used; the rest covers maxima between the samples of PathSpline::bounds
 constexpr double kMargin = 0.999;
-// Between strokes the pen leans off the drawing axis by no more than this, so that the arm reaches
-// far over steep surfaces; from a steeper place it rights itself on the way [rad].
-constexpr double kLeaning = 35.0 * std::numbers::pi / 180.0;
 constexpr double kClearance = 0.01;  // length of that clearing move along n [m]
 constexpr double kPause = 0.1;       // rest where the run waits for a person [s]
 constexpr double kStill = 1e-9;      // [m] or [rad]; shorter moves are skipped
@@ -67,6 +64,7 @@ class Planner {
       const Vector3d n = normal(strokes[i].first);
       const Vector3d first = strokes[i].first.p_P, hover = first + s_.hover_height * n;
       wait(placed[i]);
+      lean_ = placed[i].lean_there;
       if (s_.heading && !strokes[i].parts.empty()) turn_on_the_way(strokes[i].parts.front(), n);
       travel_to(above(hover, n), hover, n);
       stroke_ = static_cast<int>(i);
@@ -76,6 +74,7 @@ class Planner {
       n_ = normal(strokes[i].last);
       along_ = strokes[i].to;
       hold(s_.end_hold, Phase::draw);
+      lean_ = placed[i].lean_off;
       lift();
     }
     std::vector<int> numbers;
@@ -151,13 +150,13 @@ class Planner {
     const double rise = std::max(0.0, safe_z_ - p.z());
     return p + n * (n.z() >= std::cos(s_.steep) ? rise / n.z() : kClearance);
   }
-  // n, or what is nearest to it and leans by kLeaning.
-  static Vector3d righted(const Vector3d& n) {
-    if (n.z() >= std::cos(kLeaning)) return n;
+  // n, or what is nearest to it and leans by lean_: the tool rights itself on the way.
+  Vector3d righted(const Vector3d& n) const {
+    if (n.z() >= std::cos(lean_)) return n;
     const double flat = n.head<2>().norm();
     if (flat < 1e-9) return Vector3d::UnitZ();
-    const double s = std::sin(kLeaning) / flat;
-    return {s * n.x(), s * n.y(), std::cos(kLeaning)};
+    const double s = std::sin(lean_) / flat;
+    return {s * n.x(), s * n.y(), std::cos(lean_)};
   }
   Vector3d above(const Vector3d& p, const Vector3d& n) const {
     Vector3d q = clear_of(p, n);
@@ -332,6 +331,7 @@ class Planner {
   const PathSettings& s_;
   const SpanLimits& limits_;
   double safe_z_ = 0;
+  double lean_ = PlacedStroke::kWayLean;
   int stroke_ = -1;     // at hand, in the order of the path
   double along_ = 0.0;  // where the pen is on its stroke [m]
   Vector3d p_, n_;

@@ -104,6 +104,39 @@ TEST(TipPath, ThePenRightsItselfBetweenStrokesOnASteepSurface) {
   EXPECT_LT(least, 35.0 * std::numbers::pi / 180.0 + 1e-9);
 }
 
+// Each stroke's own lean holds on its two ways.
+TEST(TipPath, EachWayHasItsOwnLean) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const SurfaceHeight steep = [](double x, double) -> std::optional<SurfaceSample> {
+    const double slope = std::tan(60.0 * kDegree);
+    return SurfaceSample{{x, 0.0, 0.1 + slope * (x - 0.6)}, Vector3d(-slope, 0, 1).normalized()};
+  };
+  std::vector<PlacedStroke> strokes{line({{0.6, -0.05}, {0.6, -0.03}}),
+                                    line({{0.6, 0.03}, {0.6, 0.05}}, 1)};
+  strokes[0].lean_off = 20.0 * kDegree;
+  strokes[1].lean_there = 50.0 * kDegree;
+  strokes[1].lean_off = 5.0 * kDegree;
+  const TipPath path = plan_tip_path(strokes, steep, {});
+  std::vector<double> at_rest;  // where the pen stands at the safe height: leans [rad]
+  for (const double t : {path.strokes()[0].end, path.strokes()[1].end}) {
+    double later = t;
+    while (path.at(later).phase != Phase::travel && path.at(later).phase != Phase::done)
+      later += 1e-3;
+    at_rest.push_back(std::acos(path.at(later).reference.n_WD.z()));
+  }
+  EXPECT_NEAR(at_rest[0], 20.0 * kDegree, 0.02);
+  EXPECT_NEAR(at_rest[1], 5.0 * kDegree, 0.02);
+  // The way to the second stroke ends above it, where it has turned to that stroke's lean.
+  double beside = 1e9, leans = 0.0;
+  for (double t = path.strokes()[0].end; t < path.strokes()[1].approach; t += 1e-3) {
+    const TipReference now = path.at(t).reference;
+    const double off =
+        (now.p_WD - Vector3d(now.p_WD.x(), 0.03, 0.1 + PathSettings().safe_height)).norm();
+    if (off < beside) beside = off, leans = std::acos(now.n_WD.z());
+  }
+  EXPECT_NEAR(leans, 50.0 * kDegree, 0.02);
+}
+
 // Held at 60° on the surface, a wrist may not hold it at 60° a centimetre above. The rim of a pad
 // of 30 mm stays clear meanwhile.
 TEST(TipPath, ThePenRightsItselfWithinTheFirstCentimetreOffASteepSurface) {
