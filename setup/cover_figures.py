@@ -15,7 +15,14 @@ import cover_meshes
 from quotes import fill_part
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-DUCK = ["--set", f"canvas.mesh.file={ROOT / 'build/surface-meshes/duck.obj'}", "--set", "canvas.mesh.position=[0.6,0,0]"]
+
+
+def scanned(name):
+    """The arguments for an object of setup/surface_meshes.py."""
+    mesh = ROOT / f"build/surface-meshes/{name}.obj"
+    return ["--set", "canvas.kind=mesh", "--set", f"canvas.mesh.file={mesh}", "--set", "canvas.mesh.position=[0.6,0,0]"]
+
+
 WINDOW = '<svg xmlns="http://www.w3.org/2000/svg" width="150mm" height="150mm"><rect width="150mm" height="150mm"/></svg>'
 HILLS = "--set canvas.kind=terrain --set perception.noise.sigma_at_1m=0.0012 --region FOLDER/window.svg --set drawing.placement.scale=1 --set drawing.placement.centre=[0.605,0.005]"
 SURFACES = {  # name: in the table, arguments beside the mesh of that name, whether there is one
@@ -23,7 +30,7 @@ SURFACES = {  # name: in the table, arguments beside the mesh of that name, whet
     "saddle": ("saddle", ["--set", "canvas.kind=saddle"], False),
     "curve": ("a car door's curve", [], True),
     "terrain": ("150 × 150 mm of hills, 1.2 mm of depth noise at 1 m", HILLS.split(), False),
-    "duck": ("duck", ["--set", "canvas.kind=mesh", *DUCK], False),  # of setup/surface_meshes.py
+    "duck": ("duck", scanned("duck"), False),
     "door": ("car door with crease and recess", [], True),
     "hole": ("plane with a hole", [], True),
     "ell": ("an L", [], True),
@@ -32,8 +39,14 @@ SURFACES = {  # name: in the table, arguments beside the mesh of that name, whet
     "torus": ("torus", [], True),
     "helmet": ("helmet with slits", ["--set", "name=helmet"], True),
     "strip": ("strip of 44 mm", [], True),
+    "mug": ("mug", scanned("mug"), False),
+    "bear": ("teddy bear", scanned("teddy"), False),
+    "rabbit": ("rabbit", scanned("bunny"), False),
 }
-HEAD = ("surface", "treated", "promised", "force, and its RMS error from what is asked there [N]", "removal even to", "map of the arm off by", "untreated, unsaid")  # fmt: skip
+HEAD = (
+    "surface", "treated", "promised", "force, its SD, and its RMS error from what is asked there [N]", "mean speed [mm/s]", "removal even to",
+    "map of the arm off by", "untreated, unsaid",
+)  # fmt: skip
 
 
 def treat(program, folder, name):
@@ -51,7 +64,8 @@ def treat(program, folder, name):
 def row(folder, name):
     m = json.loads((folder / name / "metrics.json").read_text())
     cells = [
-        SURFACES[name][0], f"{m['treated_share']:.4f}", f"{m['promised_share']:.3f}", f"{m['force_mean']:.2f}, {m['force_rms_error']:.2f}",
+        SURFACES[name][0], f"{m['treated_share']:.4f}", f"{m['promised_share']:.3f}", f"{m['force_mean']:.2f}, {m['force_sd']:.2f}, {m['force_rms_error']:.2f}",
+        f"{m['speed_mean']:.0f}",
         f"{100 * m['removal_cv']:.1f} %", f"{100 * m['removal_map_error']:.1f} %", f"{m['unsaid_share']:.4f}",
     ]  # fmt: skip
     return "| " + " | ".join(cells) + " |"
