@@ -85,7 +85,7 @@ def main():
     lines += [row(folder, name) for name in SURFACES if (folder / name / "metrics.json").exists()]
     fill_part(ROOT / "docs/cover.md", "treated", lines)
     if (picture := folder / "helmet/cover.png").exists():
-        shutil.copy(picture, ROOT / "docs/images/cover-helmet.png")
+        shutil.copy(picture, ROOT / "docs/cover-helmet.png")
 
 
 if __name__ == "__main__":
