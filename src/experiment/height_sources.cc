@@ -154,25 +154,28 @@ class CloudHeight {
     };
     // Another sheet lies above: the pen cannot reach this one.
     const auto covered = [&] {
-      if (!sample) return false;
       const double over = sample->p_P.z() + kOverhang + TopSheet::rise(sample->n_P);
       return lid > over && !passes_beside(x, y, over, heights_here());
     };
-    const auto look_from = [&](double z) { sample = descend(*surface_, X_WP_, {x, y, z}); };
+    bool found = false;
+    const auto look_from = [&](double z) {
+      sample = descend(*surface_, X_WP_, {x, y, z});
+      found = sample && !covered();
+    };
     if (std::isfinite(start)) look_from(start);
     // Beside an overhang the cell's highest point is on another sheet.
     for (const double from : {top, lid})
-      if ((!sample || covered()) && std::isfinite(from)) look_from(from);
+      if (!found && std::isfinite(from)) look_from(from);
     // On a steep flank, and just beyond an overhang, what is found lies far below.
-    if (!sample || covered()) {
+    if (!found) {
       double tried = std::numeric_limits<double>::infinity();
       for (const double from : heights_here()) {
         if (tried - from < kOverhang) continue;
         look_from(tried = from);
-        if (sample && !covered()) break;
+        if (found) break;
       }
     }
-    if (!sample || covered()) return std::nullopt;
+    if (!found) return std::nullopt;
     if (sample->n_P.z() < kSteep) {
       const SurfaceEstimate there = followed_.estimate(X_WP_ * sample->p_P);
       if (there.status == SurfaceStatus::ok) sample->steepest = X_WP_.R.col(2).dot(there.n_W);

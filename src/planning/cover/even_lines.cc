@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <Eigen/Geometry>
 
@@ -157,8 +158,21 @@ struct PartedLine {
       at[i] = at[i - 1] + way[i];
     }
   }
-  Line piece(std::size_t from, std::size_t to) const {
-    const auto first = knots.begin();
+  // These knots of another one, the last one included.
+  PartedLine(const PartedLine& whole, std::size_t from, std::size_t to)
+      : knots(cut(whole.knots, from, to)),
+        lifted(cut(whole.lifted, from, to)),
+        at(knots.size()),
+        way(cut(whole.way, from, to)),
+        own(cut(whole.own, from, to)),
+        stays(cut(whole.stays, from, to)) {
+    way[0] = 0.0;
+    std::partial_sum(way.begin(), way.end(), at.begin());
+  }
+
+  template <class T>
+  static std::vector<T> cut(const std::vector<T>& all, std::size_t from, std::size_t to) {
+    const auto first = all.begin();
     return {first + static_cast<std::ptrdiff_t>(from), first + static_cast<std::ptrdiff_t>(to) + 1};
   }
 };
@@ -228,7 +242,7 @@ void even_parts(const SurfaceGrid& g, const PressedFeet& feet, const std::vector
   while (u.mean > 0.0) {
     const Part part = best_part(g, u, parted, feet);
     if (part.times == 0.0) break;
-    const Line piece = parted[part.line].piece(part.from, part.to);
+    const Line piece = PartedLine::cut(parted[part.line].knots, part.from, part.to);
     std::vector<double> changed = dose_of(g, {piece}, feet);
     for (std::size_t v = 0; v < g.size(); ++v) changed[v] = dose[v] + part.times * changed[v];
     Unevenness after = unevenness(g, area, changed);
@@ -240,13 +254,8 @@ void even_parts(const SurfaceGrid& g, const PressedFeet& feet, const std::vector
     } else {
       std::vector<PartedLine> rest = parted;
       const PartedLine& whole = parted[part.line];
-      PartedLine before(g, area, whole.piece(0, part.from), feet),
-          behind(g, area, whole.piece(part.to, whole.knots.size() - 1), feet);
-      std::copy_n(whole.stays.begin(), before.stays.size(), before.stays.begin());
-      std::copy_n(whole.stays.end() - std::ssize(behind.stays), behind.stays.size(),
-                  behind.stays.begin());
-      rest[part.line] = std::move(before);
-      rest.push_back(std::move(behind));
+      rest[part.line] = PartedLine(whole, 0, part.from);
+      rest.emplace_back(whole, part.to, whole.knots.size() - 1);
       // A part stays if no other line treats all of its places.
       if (!worth || surely_pressed(g, lines_of(rest), feet) != pressed) {
         std::fill(parted[part.line].stays.begin() + static_cast<std::ptrdiff_t>(part.from) + 1,

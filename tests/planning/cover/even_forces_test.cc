@@ -79,11 +79,17 @@ TEST(DoseOf, IsThePressureOfTheFootWhereItStands) {
     }
 }
 
-TEST(DoseOf, IsEvenInTheMiddleOfRowsAtTheZeroOfABesselFunction) {
-  const SurfaceGrid g = plane();
+// The places that rows treat as much as endless ones.
+std::vector<char> middle_of(const SurfaceGrid& g) {
   std::vector<char> middle(g.size());
   for (std::size_t v = 0; v < g.size(); ++v)
     middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kPad;
+  return middle;
+}
+
+TEST(DoseOf, IsEvenInTheMiddleOfRowsAtTheZeroOfABesselFunction) {
+  const SurfaceGrid g = plane();
+  const std::vector<char> middle = middle_of(g);
   EXPECT_LT(cv(g, dose_of(g, rows(kPad / 1.62), feet(g)), middle), 0.04);
   EXPECT_GT(cv(g, dose_of(g, rows(kPad / 0.8), feet(g)), middle), 0.1);
 }
@@ -199,9 +205,7 @@ TEST(EvenLines, RingsBesideTheBorderLeaveLessUneven) {
 // One row that lies beside its place goes back to it.
 TEST(EvenLines, MoveRowsToTheirPlaces) {
   const SurfaceGrid g = plane();
-  std::vector<char> middle(g.size());
-  for (std::size_t v = 0; v < g.size(); ++v)
-    middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kPad;
+  const std::vector<char> middle = middle_of(g);
   const double spacing = kPad / 1.62;
   PlaneLines lines = rows(spacing);
   const std::size_t k = lines.size() / 2;
@@ -211,12 +215,18 @@ TEST(EvenLines, MoveRowsToTheirPlaces) {
   EXPECT_NEAR(lines[k][lines[k].size() / 2].y(), own, 0.12 * spacing);
 }
 
+// The places within 0.3 radii of y.
+std::vector<char> strip_beside(const SurfaceGrid& g, double y) {
+  std::vector<char> strip(g.size());
+  for (std::size_t v = 0; v < g.size(); ++v)
+    strip[v] = std::abs(g.plane(v).x()) < 0.05 && std::abs(g.plane(v).y() - y) < 0.3 * kPad;
+  return strip;
+}
+
 // A strip that two passes treat, of which one ends half way: its other half is passed once more.
 TEST(EvenParts, MakeUpForALineThatIsCut) {
   const SurfaceGrid g = plane();
-  std::vector<char> strip(g.size());
-  for (std::size_t v = 0; v < g.size(); ++v)
-    strip[v] = std::abs(g.plane(v).x()) < 0.05 && std::abs(g.plane(v).y()) < 0.3 * kPad;
+  const std::vector<char> strip = strip_beside(g, 0.0);
   PlaneLines lines(2);
   for (double x = -0.07; x < 0.0701; x += 1e-3) {
     lines[0].emplace_back(x, 0.0);
@@ -232,9 +242,7 @@ TEST(EvenParts, MakeUpForALineThatIsCut) {
   even_parts(g, feet(g), strip, &lines);
   EXPECT_EQ(lines, once);
 
-  std::vector<char> middle(g.size());
-  for (std::size_t v = 0; v < g.size(); ++v)
-    middle[v] = g.plane(v).cwiseAbs().maxCoeff() < 0.06 - 2.0 * kPad;
+  const std::vector<char> middle = middle_of(g);
   PlaneLines even = rows(kPad / 1.62);
   even_parts(g, feet(g), middle, &even);
   EXPECT_EQ(even, rows(kPad / 1.62));
@@ -245,9 +253,7 @@ TEST(EvenParts, MakeUpForALineThatIsCut) {
 // Three passes over a strip, and a fourth over a quarter of it, which none needs.
 TEST(EvenParts, LeaveOutWhatIsTooMuch) {
   const SurfaceGrid g = plane();
-  std::vector<char> strip(g.size());
-  for (std::size_t v = 0; v < g.size(); ++v)
-    strip[v] = std::abs(g.plane(v).x()) < 0.05 && std::abs(g.plane(v).y()) < 0.3 * kPad;
+  const std::vector<char> strip = strip_beside(g, 0.0);
   PlaneLines lines(4);
   for (double x = -0.07; x < 0.0701; x += 1e-3)
     for (int l = 0; l < 4; ++l)
@@ -265,10 +271,9 @@ TEST(EvenParts, LeaveOutWhatIsTooMuch) {
 // One pass cannot be left out, however much its places get.
 TEST(EvenParts, StayWhereNothingElseTreats) {
   const SurfaceGrid g = plane();
-  std::vector<char> strips(g.size());
-  for (std::size_t v = 0; v < g.size(); ++v)
-    strips[v] =
-        std::abs(g.plane(v).x()) < 0.05 && std::abs(std::abs(g.plane(v).y()) - 0.03) < 0.3 * kPad;
+  std::vector<char> strips = strip_beside(g, 0.03);
+  const std::vector<char> other = strip_beside(g, -0.03);
+  for (std::size_t v = 0; v < g.size(); ++v) strips[v] = strips[v] || other[v];
   PlaneLines lines(2);
   for (double x = -0.07; x < 0.0701; x += 1e-3)
     for (int l = 0; l < 2; ++l) lines[l].emplace_back(x, l == 0 ? 0.03 : -0.03);
